@@ -1,0 +1,216 @@
+//! Rays, triangles and hits: plain data over any number type.
+
+use crate::number::Number;
+
+/// Three coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Vec3<X> {
+    /// First coordinate.
+    pub x: X,
+    /// Second coordinate.
+    pub y: X,
+    /// Third coordinate.
+    pub z: X,
+}
+
+impl<X> Vec3<X> {
+    /// A vector from its coordinates.
+    #[inline(always)]
+    pub const fn new(x: X, y: X, z: X) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl<X: Copy> Vec3<X> {
+    /// The coordinates in order.
+    #[inline(always)]
+    pub fn to_array(self) -> [X; 3] {
+        [self.x, self.y, self.z]
+    }
+
+    /// Applies `f` to each coordinate.
+    #[inline(always)]
+    pub fn map<Y>(self, mut f: impl FnMut(X) -> Y) -> Vec3<Y> {
+        Vec3::new(f(self.x), f(self.y), f(self.z))
+    }
+
+    /// The coordinates rotated so that axis `w` comes last: `(x|u, x|v, x|w)` with
+    /// `u = (w + 1) mod 3` and `v = (w + 2) mod 3`.
+    ///
+    /// # Panics
+    /// When `w` is not an axis (0, 1 or 2).
+    #[inline(always)]
+    pub fn with_axis_last(self, w: usize) -> Self {
+        match w {
+            0 => Self::new(self.y, self.z, self.x),
+            1 => Self::new(self.z, self.x, self.y),
+            2 => self,
+            _ => unreachable!("an axis is 0, 1 or 2"),
+        }
+    }
+}
+
+impl<X> From<[X; 3]> for Vec3<X> {
+    #[inline(always)]
+    fn from([x, y, z]: [X; 3]) -> Self {
+        Self { x, y, z }
+    }
+}
+
+impl<X: Number> Vec3<X> {
+    /// The scalar product. Associates as `x·x + (y·y + z·z)`.
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> X {
+        self.x.mul_add(other.x, self.y.mul_add(other.y, self.z * other.z))
+    }
+
+    /// The vector product.
+    #[inline(always)]
+    pub fn cross(self, other: Self) -> Self {
+        Self::new(
+            self.y.mul_sub(other.z, self.z * other.y),
+            self.z.mul_sub(other.x, self.x * other.z),
+            self.x.mul_sub(other.y, self.y * other.x),
+        )
+    }
+
+    /// Each coordinate times `factor`.
+    #[inline(always)]
+    pub fn scale(self, factor: X) -> Self {
+        Self::new(self.x * factor, self.y * factor, self.z * factor)
+    }
+
+    /// `self · factor + other`, coordinate by coordinate.
+    #[inline(always)]
+    pub fn mul_add(self, factor: X, other: Self) -> Self {
+        Self::new(
+            self.x.mul_add(factor, other.x),
+            self.y.mul_add(factor, other.y),
+            self.z.mul_add(factor, other.z),
+        )
+    }
+}
+
+impl<X: Number> core::ops::Add for Vec3<X> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self::new(self.x + other.x, self.y + other.y, self.z + other.z)
+    }
+}
+
+impl<X: Number> core::ops::Sub for Vec3<X> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.x - other.x, self.y - other.y, self.z - other.z)
+    }
+}
+
+impl<X: Number> core::ops::Neg for Vec3<X> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(-self.x, -self.y, -self.z)
+    }
+}
+
+/// Conversions to and from glam, for the edge of the public interface.
+macro_rules! glam_vector {
+    ($scalar:ty, $vector:ty) => {
+        impl From<$vector> for Vec3<$scalar> {
+            fn from(v: $vector) -> Self {
+                v.to_array().into()
+            }
+        }
+        impl From<Vec3<$scalar>> for $vector {
+            fn from(v: Vec3<$scalar>) -> Self {
+                v.to_array().into()
+            }
+        }
+    };
+}
+glam_vector!(f32, glam::Vec3);
+glam_vector!(f32, glam::Vec3A);
+glam_vector!(f64, glam::DVec3);
+
+impl From<Vec3<f32>> for Vec3<f64> {
+    fn from(v: Vec3<f32>) -> Self {
+        v.map(f64::from)
+    }
+}
+
+/// The points `o + t·d` with `tmin ≤ t ≤ tmax`. `d` need not have unit length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray<X> {
+    /// Origin.
+    pub o: Vec3<X>,
+    /// Direction, of any length but zero.
+    pub d: Vec3<X>,
+    /// Smallest `t` that counts as a hit.
+    pub tmin: X,
+    /// Largest `t` that counts as a hit; may be infinite.
+    pub tmax: X,
+}
+
+impl Ray<f32> {
+    /// The ray from `o` along `d` with `t` in `[0, ∞]`.
+    pub fn new(o: impl Into<Vec3<f32>>, d: impl Into<Vec3<f32>>) -> Self {
+        Self { o: o.into(), d: d.into(), tmin: 0.0, tmax: f32::INFINITY }
+    }
+}
+
+impl Ray<f64> {
+    /// The ray from `o` along `d` with `t` in `[0, ∞]`.
+    pub fn new(o: impl Into<Vec3<f64>>, d: impl Into<Vec3<f64>>) -> Self {
+        Self { o: o.into(), d: d.into(), tmin: 0.0, tmax: f64::INFINITY }
+    }
+}
+
+impl From<Ray<f32>> for Ray<f64> {
+    fn from(ray: Ray<f32>) -> Self {
+        Self { o: ray.o.into(), d: ray.d.into(), tmin: ray.tmin.into(), tmax: ray.tmax.into() }
+    }
+}
+
+/// Three points. The front face is the one from which `a, b, c` run counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triangle<X> {
+    /// First corner, of weight `alpha = 1 − beta − gamma`.
+    pub a: Vec3<X>,
+    /// Second corner, of weight `beta`.
+    pub b: Vec3<X>,
+    /// Third corner, of weight `gamma`.
+    pub c: Vec3<X>,
+}
+
+impl<X> Triangle<X> {
+    /// A triangle from its corners.
+    pub fn new(a: impl Into<Vec3<X>>, b: impl Into<Vec3<X>>, c: impl Into<Vec3<X>>) -> Self {
+        Self { a: a.into(), b: b.into(), c: c.into() }
+    }
+}
+
+impl<X: Copy> Triangle<X> {
+    /// The corners in order.
+    pub fn corners(self) -> [Vec3<X>; 3] {
+        [self.a, self.b, self.c]
+    }
+}
+
+impl From<Triangle<f32>> for Triangle<f64> {
+    fn from(t: Triangle<f32>) -> Self {
+        Self { a: t.a.into(), b: t.b.into(), c: t.c.into() }
+    }
+}
+
+/// Where a ray meets a triangle: `o + t·d = (1 − beta − gamma)·a + beta·b + gamma·c`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit<X> {
+    /// Ray parameter, in units of the length of `d`.
+    pub t: X,
+    /// Barycentric weight of corner `b`, in `[0, 1]` up to rounding.
+    pub beta: X,
+    /// Barycentric weight of corner `c`, in `[0, 1]` up to rounding.
+    pub gamma: X,
+}

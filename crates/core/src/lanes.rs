@@ -1,0 +1,363 @@
+//! N numbers that move in step: the type every kernel is written against.
+//!
+//! Two implementations: the scalars `f32` and `f64` (N = 1), and [`Vector`] over the vectors of
+//! `fearless_simd`. A [`Vector`] carries its [`Arithmetic`]: [`Plain`] gives the same bits on
+//! every width and instruction set, [`Fused`] uses fused multiply-add where the instruction set
+//! has it.
+
+use core::fmt::Debug;
+use core::marker::PhantomData;
+use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, SimdFloatElement};
+
+use crate::number::Number;
+
+/// N numbers that move in step; N = 1 is the scalar.
+///
+/// Comparisons with NaN are false in every lane that holds one.
+pub trait Lanes: Number {
+    /// One lane's number.
+    type Elem: Scalar;
+    /// One truth value per lane.
+    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
+    /// Proof that the processor has the instructions; `()` for scalars.
+    type Token: Copy;
+    /// How many lanes.
+    const N: usize;
+
+    /// `x` in every lane.
+    fn splat(token: Self::Token, x: Self::Elem) -> Self;
+    /// The first N elements of `xs`.
+    ///
+    /// # Panics
+    /// When `xs` has fewer than N elements.
+    fn load(token: Self::Token, xs: &[Self::Elem]) -> Self;
+    /// Writes the lanes to the first N elements of `xs`.
+    ///
+    /// # Panics
+    /// When `xs` has fewer than N elements.
+    fn store(self, xs: &mut [Self::Elem]);
+    /// The token these lanes were made with.
+    fn token(self) -> Self::Token;
+    /// `x` in every lane, with this value's token.
+    #[inline(always)]
+    #[must_use]
+    fn constant(self, x: Self::Elem) -> Self {
+        Self::splat(self.token(), x)
+    }
+    /// An estimate of `1 / self`: at least eleven bits where the instruction set has one for the
+    /// precision, the true quotient elsewhere.
+    #[must_use]
+    fn reciprocal_estimate(self) -> Self;
+    /// `self < b`
+    fn lt(self, b: Self) -> Self::Mask;
+    /// `self ≤ b`
+    fn le(self, b: Self) -> Self::Mask;
+    /// `self > b`
+    #[inline(always)]
+    fn gt(self, b: Self) -> Self::Mask {
+        b.lt(self)
+    }
+    /// `self ≥ b`
+    #[inline(always)]
+    fn ge(self, b: Self) -> Self::Mask {
+        b.le(self)
+    }
+    /// `self` with its sign flipped where `s` is negative (sign bit set): `|s|` is
+    /// `s.xor_sign(s)`.
+    #[must_use]
+    fn xor_sign(self, s: Self) -> Self;
+    /// `a` where `m` holds, else `b`.
+    #[must_use]
+    fn select(m: Self::Mask, a: Self, b: Self) -> Self;
+    /// Whether any lane holds.
+    fn any(m: Self::Mask) -> bool;
+    /// Lane i in bit i.
+    fn bits(m: Self::Mask) -> u64;
+}
+
+/// A single number: what triangles are prepared in.
+pub trait Scalar:
+    Lanes<Elem = Self, Mask = bool, Token = ()> + PartialOrd + Debug + Send + Sync + 'static
+{
+    /// The nearest number to `x`.
+    fn from_f64(x: f64) -> Self;
+    /// The nearest f64.
+    fn to_f64(self) -> f64;
+    /// `|self|`
+    #[must_use]
+    #[inline(always)]
+    fn abs(self) -> Self {
+        if self < Self::from_f64(0.0) { -self } else { self }
+    }
+}
+
+/// A machine float: `f32` or `f64`.
+pub trait Float: Scalar + SimdFloatElement {
+    /// The name of the type.
+    const NAME: &'static str;
+    /// The sign bit alone.
+    const SIGN: <Self as SimdFloatElement>::Bits;
+    /// Unit roundoff: 2⁻²⁴ or 2⁻⁵³.
+    const UNIT_ROUNDOFF: f64;
+    /// The bits of the number, widened.
+    fn bits64(self) -> u64;
+}
+
+/// The scalar implementations: plain arithmetic, since a fused multiply-add outside the
+/// instructions that have it is a library call.
+macro_rules! scalar {
+    ($float:ident, $bits:ident) => {
+        impl Number for $float {
+            #[inline(always)]
+            fn mul_add(self, b: Self, c: Self) -> Self {
+                self * b + c
+            }
+            #[inline(always)]
+            fn mul_sub(self, b: Self, c: Self) -> Self {
+                self * b - c
+            }
+        }
+
+        impl Lanes for $float {
+            type Elem = Self;
+            type Mask = bool;
+            type Token = ();
+            const N: usize = 1;
+
+            #[inline(always)]
+            fn splat((): (), x: Self) -> Self {
+                x
+            }
+            #[inline(always)]
+            fn load((): (), xs: &[Self]) -> Self {
+                xs[0]
+            }
+            #[inline(always)]
+            fn store(self, xs: &mut [Self]) {
+                xs[0] = self;
+            }
+            #[inline(always)]
+            fn token(self) {}
+            #[inline(always)]
+            fn reciprocal_estimate(self) -> Self {
+                1.0 / self
+            }
+            #[inline(always)]
+            fn lt(self, b: Self) -> bool {
+                self < b
+            }
+            #[inline(always)]
+            fn le(self, b: Self) -> bool {
+                self <= b
+            }
+            #[inline(always)]
+            fn xor_sign(self, s: Self) -> Self {
+                Self::from_bits(self.to_bits() ^ (s.to_bits() & <Self as Float>::SIGN))
+            }
+            #[inline(always)]
+            fn select(m: bool, a: Self, b: Self) -> Self {
+                if m { a } else { b }
+            }
+            #[inline(always)]
+            fn any(m: bool) -> bool {
+                m
+            }
+            #[inline(always)]
+            fn bits(m: bool) -> u64 {
+                u64::from(m)
+            }
+        }
+
+        impl Scalar for $float {
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_lossless,
+                reason = "rounding to the nearest is what the function promises"
+            )]
+            #[inline(always)]
+            fn from_f64(x: f64) -> Self {
+                x as Self
+            }
+            #[inline(always)]
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                $float::abs(self)
+            }
+        }
+
+        impl Float for $float {
+            const NAME: &'static str = stringify!($float);
+            const SIGN: $bits = 1 << ($bits::BITS - 1);
+            const UNIT_ROUNDOFF: f64 = $float::EPSILON as f64 / 2.0;
+            #[inline(always)]
+            fn bits64(self) -> u64 {
+                u64::from(self.to_bits())
+            }
+        }
+    };
+}
+scalar!(f32, u32);
+scalar!(f64, u64);
+
+/// How `a · b + c` rounds.
+pub trait Arithmetic: Copy + Debug + Send + Sync + 'static {
+    /// The name used in records.
+    const NAME: &'static str;
+    /// `a · b + c`
+    fn mul_add<S: Simd, V: SimdFloat<S>>(a: V, b: V, c: V) -> V;
+    /// `a · b − c`
+    fn mul_sub<S: Simd, V: SimdFloat<S>>(a: V, b: V, c: V) -> V;
+}
+
+/// Rounds the product, then the sum: the same bits everywhere.
+#[derive(Clone, Copy, Debug)]
+pub struct Plain;
+
+impl Arithmetic for Plain {
+    const NAME: &'static str = "plain";
+    #[inline(always)]
+    fn mul_add<S: Simd, V: SimdFloat<S>>(a: V, b: V, c: V) -> V {
+        a * b + c
+    }
+    #[inline(always)]
+    fn mul_sub<S: Simd, V: SimdFloat<S>>(a: V, b: V, c: V) -> V {
+        a * b - c
+    }
+}
+
+/// Rounds once where the instruction set has fused multiply-add (AVX2, AVX-512, Neon), else as
+/// [`Plain`].
+#[derive(Clone, Copy, Debug)]
+pub struct Fused;
+
+impl Arithmetic for Fused {
+    const NAME: &'static str = "fused";
+    #[inline(always)]
+    fn mul_add<S: Simd, V: SimdFloat<S>>(a: V, b: V, c: V) -> V {
+        a.mul_add(b, c)
+    }
+    #[inline(always)]
+    fn mul_sub<S: Simd, V: SimdFloat<S>>(a: V, b: V, c: V) -> V {
+        a.mul_sub(b, c)
+    }
+}
+
+/// The lanes of one vector `V` of `fearless_simd`, on instruction set `S`, in arithmetic `A`.
+#[derive(Debug)]
+pub struct Vector<S, V, A> {
+    lanes: V,
+    kind: PhantomData<(S, A)>,
+}
+
+impl<S, V: Copy, A> Clone for Vector<S, V, A> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+impl<S, V: Copy, A> Copy for Vector<S, V, A> {}
+
+impl<S: Simd, V: SimdFloat<S>, A> Vector<S, V, A> {
+    #[inline(always)]
+    fn new(lanes: V) -> Self {
+        Self { lanes, kind: PhantomData }
+    }
+}
+
+macro_rules! operator {
+    ($trait:ident, $method:ident) => {
+        impl<S: Simd, V: SimdFloat<S>, A> $trait for Vector<S, V, A> {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self::new($trait::$method(self.lanes, other.lanes))
+            }
+        }
+    };
+}
+operator!(Add, add);
+operator!(Sub, sub);
+operator!(Mul, mul);
+operator!(Div, div);
+
+impl<S: Simd, V: SimdFloat<S>, A> Neg for Vector<S, V, A> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(-self.lanes)
+    }
+}
+
+impl<S: Simd, V: SimdFloat<S>, A: Arithmetic> Number for Vector<S, V, A> {
+    #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        Self::new(A::mul_add::<S, V>(self.lanes, b.lanes, c.lanes))
+    }
+    #[inline(always)]
+    fn mul_sub(self, b: Self, c: Self) -> Self {
+        Self::new(A::mul_sub::<S, V>(self.lanes, b.lanes, c.lanes))
+    }
+}
+
+impl<S: Simd, V: SimdFloat<S>, A: Arithmetic> Lanes for Vector<S, V, A>
+where
+    V::Element: Float,
+{
+    type Elem = V::Element;
+    type Mask = V::Mask;
+    type Token = S;
+    const N: usize = V::LEN;
+
+    #[inline(always)]
+    fn splat(token: S, x: V::Element) -> Self {
+        Self::new(V::splat(token, x))
+    }
+    #[inline(always)]
+    fn load(token: S, xs: &[V::Element]) -> Self {
+        Self::new(V::from_slice(token, &xs[..V::LEN]))
+    }
+    #[inline(always)]
+    fn store(self, xs: &mut [V::Element]) {
+        self.lanes.store_slice(&mut xs[..V::LEN]);
+    }
+    #[inline(always)]
+    fn token(self) -> S {
+        self.lanes.token()
+    }
+    #[inline(always)]
+    fn reciprocal_estimate(self) -> Self {
+        Self::new(self.lanes.approximate_recip())
+    }
+    #[inline(always)]
+    fn lt(self, b: Self) -> V::Mask {
+        self.lanes.simd_lt(b.lanes)
+    }
+    #[inline(always)]
+    fn le(self, b: Self) -> V::Mask {
+        self.lanes.simd_le(b.lanes)
+    }
+    #[inline(always)]
+    fn xor_sign(self, s: Self) -> Self {
+        Self::new(V::from_bits(
+            self.lanes.to_bits() ^ (s.lanes.to_bits() & <V::Element as Float>::SIGN),
+        ))
+    }
+    #[inline(always)]
+    fn select(m: V::Mask, a: Self, b: Self) -> Self {
+        Self::new(m.select(a.lanes, b.lanes))
+    }
+    #[inline(always)]
+    fn any(m: V::Mask) -> bool {
+        m.any_true()
+    }
+    #[inline(always)]
+    fn bits(m: V::Mask) -> u64 {
+        m.to_bitmask()
+    }
+}

@@ -1,0 +1,345 @@
+//! The records: one JSON object a line, written by `measure` and `verify`, read by everything
+//! else. Times are integer nanoseconds, floats keep every bit, and the first line holds the
+//! facts about the machine.
+
+use std::io::{BufRead, Write};
+
+use serde::{Deserialize, Serialize};
+
+/// The version of the schema that this build writes and reads.
+pub const SCHEMA: u32 = 1;
+
+/// One line of a record file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Record {
+    /// The first line: who measured, where and how.
+    Header(Header),
+    /// A method that was measured.
+    Method(MethodFacts),
+    /// A set of rays and triangles that something was measured on.
+    Workload(Workload),
+    /// The time of one variant on one workload.
+    Throughput(Throughput),
+    /// The error of one variant on one workload, in one quantity, against one reference.
+    Error(Error),
+    /// The decisions of one variant on one workload, against the oracle.
+    Decisions(Decisions),
+    /// The time to prepare a workload's triangles for one method.
+    Preparation(Preparation),
+    /// Whether all methods pick the same triangle for each ray of a workload.
+    Agreement(Agreement),
+}
+
+/// Who measured, where and how.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// [`SCHEMA`] of the writer.
+    pub schema: u32,
+    /// The version of trisect.
+    pub trisect: String,
+    /// The command line, as typed.
+    pub command: String,
+    /// Start of the measurement, RFC 3339, UTC.
+    pub started: String,
+    /// The seed of every workload.
+    pub seed: u64,
+    /// How many rounds each variant was timed for.
+    pub rounds: usize,
+    /// The machine.
+    pub machine: Machine,
+}
+
+/// The machine a record was made on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Machine {
+    /// The processor's own name.
+    pub cpu: String,
+    /// How many logical processors the process may use.
+    pub logical_cpus: usize,
+    /// Instruction sets that kernels may use here, weakest first.
+    pub instruction_sets: Vec<String>,
+    /// Operating system and architecture.
+    pub platform: String,
+    /// The compiler and its version.
+    pub compiler: String,
+    /// Compiler flags, profile and target of the build.
+    pub build: String,
+    /// Frequency of the core while measuring, in GHz: median over the rounds of a chain of
+    /// dependent operations of known latency. Cycles are derived from it.
+    pub core_ghz: f64,
+}
+
+/// A method that was measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MethodFacts {
+    /// Name in the catalogue, as typed on the command line.
+    pub name: String,
+    /// Name in prose.
+    pub title: String,
+    /// Year of publication.
+    pub year: u16,
+    /// Citation.
+    pub source: String,
+    /// Numbers stored per triangle.
+    pub stored_numbers: usize,
+}
+
+/// A set of rays and triangles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Workload {
+    /// Unique name within the file, for example `random`, `bunny/primary`, `hit-rate/30`.
+    pub name: String,
+    /// One sentence for a reader.
+    pub description: String,
+    /// What it is for: decides the figure that it appears in.
+    pub family: Family,
+    /// Rays.
+    pub rays: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// Ray–triangle pairs that the oracle calls a hit, as a share of the pairs looked at.
+    pub hit_rate: f64,
+    /// How many pairs the oracle was asked, and how many of those needed exact arithmetic.
+    pub oracle_tests: u64,
+    /// See [`Workload::oracle_tests`].
+    pub oracle_exact: u64,
+}
+
+/// What a workload is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// Random rays and triangles, as in the literature.
+    Random,
+    /// Rays against a mesh.
+    Mesh,
+    /// One of a series in which the share of hits grows from 0 to 100 %.
+    HitRate,
+    /// One of a series in which the number of triangles grows from L1 to DRAM.
+    WorkingSet,
+}
+
+/// Which compiled variant of a method.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Variant {
+    /// Name of the method in the catalogue.
+    pub method: String,
+    /// `f32` or `f64`.
+    pub precision: String,
+    /// Lanes; 1 is the scalar.
+    pub width: usize,
+    /// `scalar`, `sse2`, `sse4.2`, `avx2`, `avx512`, `neon`.
+    pub instruction_set: String,
+    /// `plain` or `fused`.
+    pub arithmetic: String,
+    /// `one-ray` (one ray against N triangles) or `one-triangle` (N rays against one).
+    pub arrangement: String,
+    /// `early` or `deferred`.
+    pub division: String,
+    /// `true` (the processor's division) or `newton` (estimate and Newton step).
+    pub reciprocal: String,
+    /// Whether a test ends as soon as no lane can hit.
+    pub early_out: bool,
+    /// What is asked: `occlusion`, `t` or `barycentrics` (t with barycentrics).
+    pub needs: String,
+}
+
+/// The time of one variant on one workload.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Throughput {
+    /// The variant.
+    #[serde(flatten)]
+    pub variant: Variant,
+    /// Name of the [`Workload`].
+    pub workload: String,
+    /// Ray–triangle tests in one sample.
+    pub tests: u64,
+    /// Nanoseconds of each sample, in the order measured.
+    pub samples_ns: Vec<u64>,
+    /// Hits that each sample counted, verified.
+    pub hits: u64,
+    /// Bits of the sum that each sample returned, verified.
+    pub checksum: u64,
+    /// Bytes of prepared data read per triangle.
+    pub bytes_per_triangle: usize,
+}
+
+/// The error of one variant over the hits that it shares with the reference.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Error {
+    /// The variant; `early_out`, `needs` and `arrangement` do not change values.
+    #[serde(flatten)]
+    pub variant: Variant,
+    /// Name of the [`Workload`].
+    pub workload: String,
+    /// `oracle` or `f64-moller-trumbore`.
+    pub reference: String,
+    /// `t`, `beta` or `gamma`.
+    pub quantity: String,
+    /// Hits compared.
+    pub count: u64,
+    /// Relative errors `|x − reference| / |reference|`; 0 where both are 0.
+    pub relative: Quantiles,
+    /// The same in units of the last place of the variant's own precision, at the reference.
+    pub ulps: Quantiles,
+}
+
+/// Of a list of errors; all zero for an empty one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Quantiles {
+    /// Arithmetic mean.
+    pub mean: f64,
+    /// Median.
+    pub median: f64,
+    /// 99th percentile.
+    pub p99: f64,
+    /// Largest.
+    pub max: f64,
+}
+
+/// The decisions of one variant on every pair of a workload, against the oracle.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Decisions {
+    /// The variant.
+    #[serde(flatten)]
+    pub variant: Variant,
+    /// Name of the [`Workload`].
+    pub workload: String,
+    /// Pairs, by the oracle's class and the variant's answer.
+    pub classes: Vec<ClassCount>,
+}
+
+/// One row of a confusion table.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ClassCount {
+    /// The oracle's class, for example `interior`, `edge`, `miss`.
+    pub class: String,
+    /// Whether the class is a hit.
+    pub is_hit: bool,
+    /// Pairs of the class that the variant called a hit.
+    pub called_hit: u64,
+    /// Pairs of the class that the variant called a miss.
+    pub called_miss: u64,
+}
+
+/// The time to prepare a workload's triangles for one method.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Preparation {
+    /// Name of the method in the catalogue.
+    pub method: String,
+    /// `f32` or `f64`.
+    pub precision: String,
+    /// Name of the [`Workload`].
+    pub workload: String,
+    /// Triangles prepared in one sample.
+    pub triangles: usize,
+    /// Nanoseconds of each sample.
+    pub samples_ns: Vec<u64>,
+}
+
+/// Whether all methods pick the same closest triangle for each ray of a workload.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Agreement {
+    /// Name of the [`Workload`].
+    pub workload: String,
+    /// `f32` or `f64`.
+    pub precision: String,
+    /// Rays looked at.
+    pub rays: usize,
+    /// Rays for which every method named the same triangle, or every one a miss.
+    pub unanimous: usize,
+    /// Per method, rays for which its answer differs from the oracle's closest triangle.
+    pub differs_from_oracle: Vec<MethodCount>,
+}
+
+/// A count for one method.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MethodCount {
+    /// Name of the method in the catalogue.
+    pub method: String,
+    /// The count.
+    pub count: usize,
+}
+
+/// Why a record file could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The stream failed.
+    #[error("cannot read the record: {0}")]
+    Io(#[from] std::io::Error),
+    /// The file has no line.
+    #[error("the record is empty; make one with `trisect measure --output FILE`")]
+    Empty,
+    /// The first line is no header.
+    #[error("line 1 is not a record header; make a record with `trisect measure --output FILE`")]
+    NoHeader,
+    /// Written by another version.
+    #[error(
+        "line 1: the record has schema {found}, this trisect reads schema {SCHEMA}; measure again with this version"
+    )]
+    OtherVersion {
+        /// The schema in the file.
+        found: u64,
+    },
+    /// A line that is no record.
+    #[error("line {line}: {source}; the file is damaged, measure again")]
+    Line {
+        /// Line number, from 1.
+        line: usize,
+        /// What the parser said.
+        source: serde_json::Error,
+    },
+}
+
+/// A record file in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Records {
+    /// The first line.
+    pub header: Header,
+    /// All other lines, in order.
+    pub lines: Vec<Record>,
+}
+
+impl Records {
+    /// Reads a record file.
+    ///
+    /// # Errors
+    /// When the stream fails, or a line is not a record of this [`SCHEMA`].
+    pub fn read(from: impl BufRead) -> Result<Self, ReadError> {
+        let mut lines = from.lines();
+        let first = lines.next().ok_or(ReadError::Empty)??;
+        let head: serde_json::Value =
+            serde_json::from_str(&first).map_err(|_| ReadError::NoHeader)?;
+        if head["kind"] != "header" {
+            return Err(ReadError::NoHeader);
+        }
+        let found = head["schema"].as_u64().ok_or(ReadError::NoHeader)?;
+        if found != u64::from(SCHEMA) {
+            return Err(ReadError::OtherVersion { found });
+        }
+        let header =
+            serde_json::from_value(head).map_err(|source| ReadError::Line { line: 1, source })?;
+        let lines = lines
+            .enumerate()
+            .map(|(i, line)| {
+                serde_json::from_str(&line?)
+                    .map_err(|source| ReadError::Line { line: i + 2, source })
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self { header, lines })
+    }
+
+    /// Writes a record file: the header, then each line.
+    ///
+    /// # Errors
+    /// When the stream fails.
+    pub fn write(&self, mut to: impl Write) -> std::io::Result<()> {
+        let header = Record::Header(self.header.clone());
+        for record in std::iter::once(&header).chain(&self.lines) {
+            serde_json::to_writer(&mut to, record)?;
+            to.write_all(b"\n")?;
+        }
+        Ok(())
+    }
+}
