@@ -153,6 +153,19 @@ pub struct Ray<X> {
     pub tmax: X,
 }
 
+impl<X> Ray<X> {
+    /// Applies `f` to each number, in order of declaration.
+    #[inline(always)]
+    pub fn map<Y>(&self, mut f: impl FnMut(&X) -> Y) -> Ray<Y> {
+        Ray {
+            o: Vec3::new(f(&self.o.x), f(&self.o.y), f(&self.o.z)),
+            d: Vec3::new(f(&self.d.x), f(&self.d.y), f(&self.d.z)),
+            tmin: f(&self.tmin),
+            tmax: f(&self.tmax),
+        }
+    }
+}
+
 impl Ray<f32> {
     /// The ray from `o` along `d` with `t` in `[0, ∞]`.
     pub fn new(o: impl Into<Vec3<f32>>, d: impl Into<Vec3<f32>>) -> Self {

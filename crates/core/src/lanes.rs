@@ -13,6 +13,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, SimdFloatElement};
 
 use crate::number::Number;
+use crate::tier::Token;
 
 /// N numbers that move in step; N = 1 is the scalar.
 ///
@@ -23,7 +24,9 @@ pub trait Lanes: Number {
     /// One truth value per lane.
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
     /// Proof that the processor has the instructions; `()` for scalars.
-    type Token: Copy;
+    type Token: Token;
+    /// The name of the arithmetic, as records say it: `plain` or `fused`.
+    const ARITHMETIC: &'static str;
     /// How many lanes.
     const N: usize;
 
@@ -86,6 +89,12 @@ pub trait Scalar:
     fn from_f64(x: f64) -> Self;
     /// The nearest f64.
     fn to_f64(self) -> f64;
+    /// The largest `t` that counts as a hit, whatever `tmax` says: half the largest finite
+    /// number, so that no quotient near it rounds to infinity.
+    #[inline(always)]
+    fn largest_t() -> Self {
+        Self::from_f64(f64::MAX / 2.0)
+    }
     /// `|self|`
     #[must_use]
     #[inline(always)]
@@ -125,6 +134,7 @@ macro_rules! scalar {
             type Elem = Self;
             type Mask = bool;
             type Token = ();
+            const ARITHMETIC: &'static str = Plain::NAME;
             const N: usize = 1;
 
             #[inline(always)]
@@ -184,6 +194,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn to_f64(self) -> f64 {
                 f64::from(self)
+            }
+            #[inline(always)]
+            fn largest_t() -> Self {
+                $float::MAX / 2.0
             }
             #[inline(always)]
             fn abs(self) -> Self {
@@ -305,13 +319,14 @@ impl<S: Simd, V: SimdFloat<S>, A: Arithmetic> Number for Vector<S, V, A> {
     }
 }
 
-impl<S: Simd, V: SimdFloat<S>, A: Arithmetic> Lanes for Vector<S, V, A>
+impl<S: Simd + Token, V: SimdFloat<S>, A: Arithmetic> Lanes for Vector<S, V, A>
 where
     V::Element: Float,
 {
     type Elem = V::Element;
     type Mask = V::Mask;
     type Token = S;
+    const ARITHMETIC: &'static str = A::NAME;
     const N: usize = V::LEN;
 
     #[inline(always)]

@@ -1,10 +1,24 @@
 //! What every ray–triangle method of trisect is written against.
 #![forbid(unsafe_code)]
 
+mod block;
+mod division;
 mod geometry;
+mod kernel;
 mod lanes;
+mod method;
 mod number;
+mod record;
+mod tier;
 
+pub use block::{BLOCK, PADDING, Packet, PreparedTriangles};
+pub use division::{
+    Culling, Deferred, Division, Early, Interval, Newton, Reciprocal, TrueDivision,
+};
 pub use geometry::{Hit, Ray, Triangle, Vec3};
+pub use kernel::{one_ray, one_triangle};
 pub use lanes::{Arithmetic, Float, Fused, Lanes, Plain, Scalar, Vector};
+pub use method::{Homogeneous, Method, MethodInfo};
 pub use number::Number;
+pub use record::{Of, Record, field};
+pub use tier::{InstructionSet, LanesVisitor, Precision, Token};

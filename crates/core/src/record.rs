@@ -1,0 +1,92 @@
+//! Records of numbers: what a method stores per triangle, as a scalar when it is prepared, as
+//! `[E; 16]` in a block, as lanes in a kernel.
+
+/// The shape of what is stored per triangle, whatever the numbers are. Implemented by
+/// [`record!`](crate::record) for the record of `()`: `EdgeTriangle<()>` is the shape,
+/// [`Of<EdgeTriangle<()>, f32>`](Of) is `EdgeTriangle<f32>`.
+pub trait Record: 'static {
+    /// The record with numbers of type `X`.
+    type Of<X: Copy>: Copy;
+    /// How many numbers.
+    const NUMBERS: usize;
+    /// Applies `f` to each number, in order of declaration.
+    fn map<X: Copy, Y: Copy>(from: &Self::Of<X>, f: impl FnMut(&X) -> Y) -> Self::Of<Y>;
+    /// Applies `f` to each pair of numbers at the same place, in order of declaration.
+    fn zip<X: Copy, Y: Copy>(to: &mut Self::Of<X>, from: &Self::Of<Y>, f: impl FnMut(&mut X, &Y));
+}
+
+/// The record of shape `R` with numbers of type `X`.
+pub type Of<R, X> = <R as Record>::Of<X>;
+
+/// The kinds of fields that [`record!`](crate::record) knows.
+#[allow(non_camel_case_types, reason = "named as the macro's fields are written")]
+pub mod field {
+    /// Three numbers.
+    pub type vec3<X> = crate::geometry::Vec3<X>;
+    /// One number.
+    pub type number<X> = X;
+}
+
+/// Declares a record: a struct generic over its number type that implements
+/// [`Record`](trait@crate::Record). Each field is a `vec3` or a `number`.
+///
+/// ```
+/// trisect_core::record! {
+///     /// A plane `normal · p = distance`.
+///     pub struct Plane {
+///         /// Normal.
+///         normal: vec3,
+///         /// Signed distance from the origin, times the length of the normal.
+///         distance: number,
+///     }
+/// }
+/// # use trisect_core::Record;
+/// assert_eq!(<Plane<()> as Record>::NUMBERS, 4);
+/// ```
+#[macro_export]
+macro_rules! record {
+    (
+        $(#[$attribute:meta])*
+        pub struct $name:ident {
+            $($(#[$field_attribute:meta])* $field:ident : $kind:ident),+ $(,)?
+        }
+    ) => {
+        $(#[$attribute])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct $name<X> {
+            $($(#[$field_attribute])* pub $field: $crate::field::$kind<X>,)+
+        }
+
+        impl $crate::Record for $name<()> {
+            type Of<X: Copy> = $name<X>;
+            const NUMBERS: usize = 0 $(+ $crate::record!(@count $kind))+;
+            #[inline(always)]
+            fn map<X: Copy, Y: Copy>(
+                from: &$name<X>,
+                mut f: impl FnMut(&X) -> Y,
+            ) -> $name<Y> {
+                $name { $($field: $crate::record!(@map $kind from.$field, f)),+ }
+            }
+            #[inline(always)]
+            fn zip<X: Copy, Y: Copy>(
+                to: &mut $name<X>,
+                from: &$name<Y>,
+                mut f: impl FnMut(&mut X, &Y),
+            ) {
+                $($crate::record!(@zip $kind to.$field, from.$field, f);)+
+            }
+        }
+    };
+    (@count vec3) => { 3 };
+    (@count number) => { 1 };
+    (@map vec3 $from:expr, $f:ident) => {
+        $crate::Vec3 { x: $f(&$from.x), y: $f(&$from.y), z: $f(&$from.z) }
+    };
+    (@map number $from:expr, $f:ident) => { $f(&$from) };
+    (@zip vec3 $to:expr, $from:expr, $f:ident) => {
+        $f(&mut $to.x, &$from.x);
+        $f(&mut $to.y, &$from.y);
+        $f(&mut $to.z, &$from.z)
+    };
+    (@zip number $to:expr, $from:expr, $f:ident) => { $f(&mut $to, &$from) };
+}

@@ -1,0 +1,57 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+use trisect_core::{Homogeneous, Lanes, Method, MethodInfo, Of, Ray, Scalar, Triangle, record};
+
+record! {
+    /// A corner and the two edges that leave it.
+    pub struct EdgeTriangle {
+        /// Corner `A`.
+        a: vec3,
+        /// Edge `e1 = B − A`.
+        e1: vec3,
+        /// Edge `e2 = C − A`.
+        e2: vec3,
+    }
+}
+
+/// Möller–Trumbore 1997.
+pub struct MollerTrumbore;
+
+impl Method for MollerTrumbore {
+    const INFO: MethodInfo = MethodInfo {
+        name: "moller-trumbore",
+        title: "Möller–Trumbore",
+        year: 1997,
+        source: "T. Möller, B. Trumbore: Fast, Minimum Storage Ray/Triangle Intersection. \
+                 Journal of Graphics Tools 2(1), 1997, section 2",
+        outputs: &["hit", "t", "beta", "gamma"],
+        error_factor: 8.0,
+    };
+    type Prepared = EdgeTriangle<()>;
+    type PreparedRay<L: Lanes> = Ray<L>;
+
+    #[inline(always)]
+    fn prepare<X: Scalar>(triangle: &Triangle<X>, _group: usize) -> Of<Self::Prepared, X> {
+        let a = triangle.a;
+        EdgeTriangle { a, e1: triangle.b - a, e2: triangle.c - a }
+    }
+
+    #[inline(always)]
+    fn prepare_ray<L: Lanes>(ray: &Ray<L>, _group: usize) -> Ray<L> {
+        *ray
+    }
+
+    #[inline(always)]
+    fn intersect<L: Lanes>(ray: &Ray<L>, triangle: &EdgeTriangle<L>) -> Homogeneous<L> {
+        let p = ray.d.cross(triangle.e2);
+        let s = ray.o - triangle.a;
+        let q = s.cross(triangle.e1);
+        Homogeneous {
+            det: triangle.e1.dot(p),
+            t: triangle.e2.dot(q),
+            beta: s.dot(p),
+            gamma: ray.d.dot(q),
+        }
+    }
+}
