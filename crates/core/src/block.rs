@@ -101,9 +101,11 @@ impl<M: Method, E: Scalar> PreparedTriangles<M, E> {
 }
 
 impl<R: Record, E: Scalar> Block<R, E> {
-    /// N triangles from lane `start` on.
+    /// N triangles from lane `start` on, a multiple of N.
     #[inline(always)]
     pub(crate) fn lanes<L: Lanes<Elem = E>>(&self, token: L::Token, start: usize) -> R::Of<L> {
+        // Says to the compiler that the lanes end within the block.
+        let start = start & (BLOCK - L::N);
         R::map(
             &self.0,
             #[inline(always)]

@@ -27,18 +27,19 @@ pub fn one_ray<M: Method, L: Lanes, D: Division>(
     let interval = Interval::new(ray.tmin, ray.tmax);
     for (group, places) in triangles.groups().iter().enumerate() {
         let prepared = M::prepare_ray(&ray, group);
-        for (place, block) in places.clone().step_by(BLOCK).zip(triangles.blocks(places)) {
-            for start in (0..BLOCK).step_by(L::N) {
-                let triangle = block.lanes::<L>(token, start);
-                D::test::<M, L>(
-                    &prepared,
-                    &triangle,
-                    interval,
-                    culling,
-                    #[inline(always)]
-                    |mask, hit| found(place + start, mask, hit),
-                );
-            }
+        let blocks = triangles.blocks(places);
+        // One loop, not two: a loop over the vectors of a block would be unrolled, and its
+        // vectors interleaved until they spill.
+        for place in (0..blocks.len() * BLOCK).step_by(L::N) {
+            let triangle = blocks[place / BLOCK].lanes::<L>(token, place % BLOCK);
+            D::test::<M, L>(
+                &prepared,
+                &triangle,
+                interval,
+                culling,
+                #[inline(always)]
+                |mask, hit| found(places.start + place, mask, hit),
+            );
         }
     }
 }
