@@ -25,8 +25,8 @@ pub trait Lanes: Number {
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
     /// Proof that the processor has the instructions; `()` for scalars.
     type Token: Token;
-    /// The name of the arithmetic, as records say it: `plain` or `fused`.
-    const ARITHMETIC: &'static str;
+    /// Whether the lanes were asked to round `a · b + c` once; see [`Fused`].
+    const FUSED: bool;
     /// How many lanes.
     const N: usize;
 
@@ -134,7 +134,7 @@ macro_rules! scalar {
             type Elem = Self;
             type Mask = bool;
             type Token = ();
-            const ARITHMETIC: &'static str = Plain::NAME;
+            const FUSED: bool = false;
             const N: usize = 1;
 
             #[inline(always)]
@@ -221,8 +221,8 @@ scalar!(f64, u64);
 
 /// How `a · b + c` rounds.
 pub trait Arithmetic: Copy + Debug + Send + Sync + 'static {
-    /// The name used in records.
-    const NAME: &'static str;
+    /// Whether it asks for a single rounding.
+    const FUSED: bool;
     /// `a · b + c`
     fn mul_add<S: Simd, V: SimdFloat<S>>(a: V, b: V, c: V) -> V;
     /// `a · b − c`
@@ -234,7 +234,7 @@ pub trait Arithmetic: Copy + Debug + Send + Sync + 'static {
 pub struct Plain;
 
 impl Arithmetic for Plain {
-    const NAME: &'static str = "plain";
+    const FUSED: bool = false;
     #[inline(always)]
     fn mul_add<S: Simd, V: SimdFloat<S>>(a: V, b: V, c: V) -> V {
         a * b + c
@@ -251,7 +251,7 @@ impl Arithmetic for Plain {
 pub struct Fused;
 
 impl Arithmetic for Fused {
-    const NAME: &'static str = "fused";
+    const FUSED: bool = true;
     #[inline(always)]
     fn mul_add<S: Simd, V: SimdFloat<S>>(a: V, b: V, c: V) -> V {
         a.mul_add(b, c)
@@ -326,7 +326,7 @@ where
     type Elem = V::Element;
     type Mask = V::Mask;
     type Token = S;
-    const ARITHMETIC: &'static str = A::NAME;
+    const FUSED: bool = A::FUSED;
     const N: usize = V::LEN;
 
     #[inline(always)]

@@ -7,6 +7,7 @@ mod geometry;
 mod kernel;
 mod lanes;
 mod method;
+mod needs;
 mod number;
 mod record;
 mod tier;
@@ -18,7 +19,8 @@ pub use division::{
 pub use geometry::{Hit, Ray, Triangle, Vec3};
 pub use kernel::{one_ray, one_triangle};
 pub use lanes::{Arithmetic, Float, Fused, Lanes, Plain, Scalar, Vector};
-pub use method::{Homogeneous, Method, MethodInfo};
+pub use method::{Homogeneous, Method, MethodInfo, MethodVisitor};
+pub use needs::{Barycentrics, Distance, Needs, Occlusion};
 pub use number::Number;
 pub use record::{Of, Record, field};
 pub use tier::{InstructionSet, LanesVisitor, Precision, Token};

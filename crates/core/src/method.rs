@@ -90,3 +90,20 @@ pub trait Method: Send + Sync + 'static {
         det
     }
 }
+
+/// Something to do for each of a list of methods.
+pub trait MethodVisitor {
+    /// One method.
+    fn visit<M: Method>(&mut self);
+}
+
+/// Names the methods of a crate: declares `pub fn methods`, which the catalogue calls.
+#[macro_export]
+macro_rules! methods {
+    ($($method:ident),+ $(,)?) => {
+        /// Visits the methods of this crate.
+        pub fn methods(visitor: &mut impl $crate::MethodVisitor) {
+            $(visitor.visit::<$method>();)+
+        }
+    };
+}

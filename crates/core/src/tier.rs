@@ -120,7 +120,7 @@ token!(fearless_simd::aarch64::Neon, Neon, as_neon);
 /// Something to do for each of a list of lane types.
 pub trait LanesVisitor {
     /// One lane type.
-    fn visit<L: Lanes<Elem: Float>>(&mut self);
+    fn visit<L: Lanes<Elem: Precision>>(&mut self);
 }
 
 /// A precision: the float and its lane types.

@@ -56,3 +56,5 @@ impl Method for KenslerShirley {
         }
     }
 }
+
+trisect_core::methods!(KenslerShirley);

@@ -55,3 +55,5 @@ impl Method for MollerTrumbore {
         }
     }
 }
+
+trisect_core::methods!(MollerTrumbore);

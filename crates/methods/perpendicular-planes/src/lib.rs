@@ -99,3 +99,5 @@ impl Method for PerpendicularPlanes {
         -det
     }
 }
+
+trisect_core::methods!(PerpendicularPlanes);

@@ -146,3 +146,5 @@ impl Method for Wald {
         det * tri.bv.mul_sub(tri.cu, tri.bu * tri.cv)
     }
 }
+
+trisect_core::methods!(Wald);
