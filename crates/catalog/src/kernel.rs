@@ -260,6 +260,42 @@ impl Finder {
     pub fn find(&self, scene: &Scene, culling: Culling, found: &mut Find<'_>) {
         (self.find)(scene, culling, found);
     }
+
+    /// The closest hit of each of the first `rays` rays of `scene`: smallest `t`, then lowest
+    /// triangle number.
+    ///
+    /// # Panics
+    /// As [`Finder::find`], and when the scene has more rays.
+    pub fn closest(
+        &self,
+        scene: &Scene,
+        culling: Culling,
+        rays: usize,
+    ) -> Vec<Option<(u32, Hit<f64>)>> {
+        let mut closest: Vec<Option<(u32, Hit<f64>)>> = vec![None; rays];
+        self.find(scene, culling, &mut |ray, number, hit| {
+            let nearer = closest[ray]
+                .is_none_or(|(other, best)| hit.t < best.t || (hit.t == best.t && number < other));
+            if nearer {
+                closest[ray] = Some((number, hit));
+            }
+            ControlFlow::Continue(())
+        });
+        closest
+    }
+
+    /// Whether each of the first `rays` rays of `scene` hits anything.
+    ///
+    /// # Panics
+    /// As [`Finder::closest`].
+    pub fn any(&self, scene: &Scene, culling: Culling, rays: usize) -> Vec<bool> {
+        let mut any = vec![false; rays];
+        self.find(scene, culling, &mut |ray, _, _| {
+            any[ray] = true;
+            ControlFlow::Break(())
+        });
+        any
+    }
 }
 
 fn find<M: Method, L: Lanes<Elem: Precision>, D: Division>(

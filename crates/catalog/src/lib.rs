@@ -9,7 +9,7 @@ mod matrix;
 
 use std::sync::OnceLock;
 
-use trisect_core::{Method, MethodInfo, MethodVisitor, Precision, Record};
+use trisect_core::{Method, MethodInfo, MethodVisitor, Precision, Ray, Record, Triangle};
 
 pub use kernel::{Arrangement, Find, Finder, Kernel, Lane, Scene, Tally, Variant};
 
@@ -30,12 +30,15 @@ pub struct Entry {
 /// The compiled kernels of a method in one precision.
 pub struct Kernels<E: Precision> {
     /// Prepares triangles and rays for these kernels.
-    pub prepare: fn(&[trisect_core::Triangle<E>], &[trisect_core::Ray<E>]) -> Scene,
+    pub prepare: Prepare<E>,
     /// Kernels that count, for measuring time.
     pub timed: Vec<Kernel>,
     /// Kernels that hand out every hit, for answers and errors.
     pub finders: Vec<Finder>,
 }
+
+/// Prepares triangles and rays for the kernels of one method and precision.
+pub type Prepare<E> = fn(&[Triangle<E>], &[Ray<E>]) -> Scene;
 
 /// The methods with their compiled kernels, in the order of the catalogue.
 pub fn entries() -> &'static [Entry] {
@@ -61,4 +64,22 @@ pub fn entries() -> &'static [Entry] {
 /// The method of that name.
 pub fn find(name: &str) -> Option<&'static Entry> {
     entries().iter().find(|entry| entry.info.name == name)
+}
+
+impl<E: Precision> Kernels<E> {
+    /// The finder of the plain variant of that width, division and reciprocal `true`; of the
+    /// widest that this processor has, where no width is given. Plain finders of all widths
+    /// give the same bits.
+    pub fn plain_finder(&self, width: Option<usize>, division: &str) -> Option<&Finder> {
+        self.finders
+            .iter()
+            .filter(|finder| {
+                let Variant { lane, division: d, reciprocal } = finder.variant;
+                lane.arithmetic == "plain"
+                    && d == division
+                    && reciprocal == "true"
+                    && width.map_or(lane.instruction_set.is_available(), |w| lane.width == w)
+            })
+            .max_by_key(|finder| finder.variant.lane.width)
+    }
 }

@@ -109,6 +109,8 @@ pub trait Float: Scalar + SimdFloatElement {
     const NAME: &'static str;
     /// The sign bit alone.
     const SIGN: <Self as SimdFloatElement>::Bits;
+    /// Bits of the significand: 24 or 53.
+    const SIGNIFICANT_BITS: i32;
     /// Unit roundoff: 2⁻²⁴ or 2⁻⁵³.
     const UNIT_ROUNDOFF: f64;
     /// The bits of the number, widened.
@@ -208,6 +210,7 @@ macro_rules! scalar {
         impl Float for $float {
             const NAME: &'static str = stringify!($float);
             const SIGN: $bits = 1 << ($bits::BITS - 1);
+            const SIGNIFICANT_BITS: i32 = $float::MANTISSA_DIGITS.cast_signed();
             const UNIT_ROUNDOFF: f64 = $float::EPSILON as f64 / 2.0;
             #[inline(always)]
             fn bits64(self) -> u64 {

@@ -1,4 +1,12 @@
 //! Measures time and error of every method and writes records; never draws.
 #![forbid(unsafe_code)]
 
+mod answers;
+pub mod machine;
+mod measure;
 pub mod record;
+mod subject;
+mod timing;
+
+pub use measure::{Progress, Settings, Task, measure};
+pub use timing::WrongAnswer;

@@ -1,0 +1,253 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Compares ray–triangle intersection methods on this machine: error against run time.
+///
+/// Without a verb: measures every method on random triangles and on the Stanford bunny, prints
+/// the winners and writes a page to reports/latest/.
+#[derive(Debug, Parser)]
+#[command(version, args_conflicts_with_subcommands = true, max_term_width = 100)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub verb: Option<Verb>,
+    #[command(flatten)]
+    pub compare: Compare,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Verb {
+    /// List methods, widths and instruction sets on this processor
+    List(List),
+    /// Measure and write records
+    Measure(Measure),
+    /// Rank the variants of a record by speed
+    Rank(Rank),
+    /// Compare two records: two machines, or two commits
+    Cmp(Cmp),
+    /// Draw the page and its figures from a record
+    Report(Report),
+    /// Check every method against the exact oracle
+    Verify(Verify),
+    /// Intersect rays with a mesh
+    Query(Query),
+    /// Print a completion script for a shell
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Compare {
+    #[command(flatten)]
+    pub measurement: Measurement,
+    /// Folder for the page, its figures and the record
+    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
+    pub output: PathBuf,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Measure {
+    #[command(flatten)]
+    pub measurement: Measurement,
+    /// File for the record; standard output if left out
+    #[arg(long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// What is measured, and for how long.
+#[derive(Debug, Args)]
+pub(crate) struct Measurement {
+    #[command(flatten)]
+    pub subjects: Subjects,
+    /// More rays, triangles and rounds: quarter of an hour instead of two minutes
+    #[arg(long)]
+    pub full: bool,
+    /// Samples of each variant [default: 5, or 15 with --full]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub rounds: Option<u32>,
+}
+
+/// Methods, meshes and seed.
+#[derive(Debug, Args)]
+pub(crate) struct Subjects {
+    /// Methods, separated by commas; all if left out
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub methods: Vec<String>,
+    /// Mesh (PLY, OBJ, STL or glTF), any number of times; the Stanford bunny if left out
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Vec<PathBuf>,
+    /// Seed of every random choice
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct List {
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Rank {
+    /// The record
+    #[arg(value_name = "FILE")]
+    pub record: PathBuf,
+    /// What is asked of a hit: occlusion, t or barycentrics; all if left out
+    #[arg(long)]
+    pub needs: Option<String>,
+    /// Only this workload
+    #[arg(long, value_name = "NAME")]
+    pub workload: Option<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Cmp {
+    /// The record that ratios are relative to
+    #[arg(value_name = "A")]
+    pub a: PathBuf,
+    /// The other record
+    #[arg(value_name = "B")]
+    pub b: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Report {
+    /// The record
+    #[arg(value_name = "FILE")]
+    pub record: PathBuf,
+    /// Folder for the page and its figures
+    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
+    pub output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Verify {
+    #[command(flatten)]
+    pub subjects: Subjects,
+    /// Rays for the meshes, CSV or .rays; made from the mesh if left out
+    #[arg(long, value_name = "FILE", requires = "mesh")]
+    pub rays: Option<PathBuf>,
+    /// Print the records as JSON lines
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Query {
+    /// Mesh: PLY, OBJ, STL or glTF
+    #[arg(long, value_name = "FILE")]
+    pub mesh: PathBuf,
+    /// Rays: CSV with the header ox,oy,oz,dx,dy,dz and optionally tmin,tmax, - for standard
+    /// input, or binary .rays
+    #[arg(long, value_name = "FILE")]
+    pub rays: PathBuf,
+    /// A method of `trisect list`, or `oracle` for the exact truth, rounded once
+    #[arg(long, value_name = "NAME")]
+    pub method: String,
+    /// Floats that rays and triangles are given in and answers computed in
+    #[arg(long, default_value = "f32")]
+    pub precision: Precision,
+    /// Lanes: 1, 2, 4, 8, 16, or native for the widest; a width stands for the instruction set
+    /// that it is native to
+    #[arg(long, default_value = "native")]
+    pub width: Width,
+    /// When to divide
+    #[arg(long, default_value = "deferred")]
+    pub division: Division,
+    /// Faces not to see
+    #[arg(long, default_value = "none")]
+    pub cull: Cull,
+    /// Any hit instead of the closest: print no more than whether there is one
+    #[arg(long)]
+    pub any: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Precision {
+    F32,
+    F64,
+}
+
+impl Precision {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::F32 => "f32",
+            Self::F64 => "f64",
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Division {
+    Early,
+    Deferred,
+}
+
+impl Division {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Early => "early",
+            Self::Deferred => "deferred",
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Cull {
+    None,
+    Back,
+    Front,
+}
+
+impl From<Cull> for trisect_core::Culling {
+    fn from(cull: Cull) -> Self {
+        match cull {
+            Cull::None => Self::None,
+            Cull::Back => Self::Back,
+            Cull::Front => Self::Front,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Width {
+    #[value(name = "1")]
+    W1,
+    #[value(name = "2")]
+    W2,
+    #[value(name = "4")]
+    W4,
+    #[value(name = "8")]
+    W8,
+    #[value(name = "16")]
+    W16,
+    Native,
+}
+
+impl Width {
+    /// The number of lanes asked for; none for the widest.
+    pub(crate) fn lanes(self) -> Option<usize> {
+        match self {
+            Self::W1 => Some(1),
+            Self::W2 => Some(2),
+            Self::W4 => Some(4),
+            Self::W8 => Some(8),
+            Self::W16 => Some(16),
+            Self::Native => None,
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! `trisect list`
+
+use anyhow::Result;
+use serde::Serialize;
+use trisect_catalog::{Entry, entries};
+use trisect_harness::machine;
+
+use crate::arguments::List;
+use crate::output;
+
+#[derive(Serialize)]
+struct Listing {
+    methods: Vec<Method>,
+    /// Of f32.
+    widths: Vec<usize>,
+    widths_f64: Vec<usize>,
+    instruction_sets: Vec<&'static str>,
+}
+
+#[derive(Serialize)]
+struct Method {
+    name: &'static str,
+    title: &'static str,
+    year: u16,
+    outputs: &'static [&'static str],
+    stored_numbers: usize,
+    source: &'static str,
+}
+
+pub(crate) fn run(arguments: &List) -> Result<()> {
+    let listing = Listing {
+        methods: entries().iter().map(Method::from).collect(),
+        widths: entries().first().map_or_else(Vec::new, |entry| widths(&entry.f32.finders)),
+        widths_f64: entries().first().map_or_else(Vec::new, |entry| widths(&entry.f64.finders)),
+        instruction_sets: machine::instruction_sets().map(|set| set.name()).collect(),
+    };
+    output::print(|out| {
+        if arguments.json {
+            serde_json::to_writer(&mut *out, &listing)?;
+            return writeln!(out);
+        }
+        for method in &listing.methods {
+            writeln!(
+                out,
+                "{:<22} {}  {:>2} numbers per triangle  {}",
+                method.name,
+                method.year,
+                method.stored_numbers,
+                method.outputs.join(" ")
+            )?;
+        }
+        let numbers =
+            |widths: &[usize]| widths.iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
+        writeln!(out)?;
+        writeln!(out, "f32 widths        {}", numbers(&listing.widths))?;
+        writeln!(out, "f64 widths        {}", numbers(&listing.widths_f64))?;
+        writeln!(out, "instruction sets  {}", listing.instruction_sets.join(" "))
+    })
+}
+
+/// The widths that this processor can run, narrowest first.
+pub(crate) fn widths(finders: &[trisect_catalog::Finder]) -> Vec<usize> {
+    let mut widths: Vec<usize> = finders
+        .iter()
+        .map(|finder| finder.variant.lane)
+        .filter(|lane| lane.instruction_set.is_available())
+        .map(|lane| lane.width)
+        .collect();
+    widths.sort_unstable();
+    widths.dedup();
+    widths
+}
+
+impl From<&Entry> for Method {
+    fn from(entry: &Entry) -> Self {
+        Self {
+            name: entry.info.name,
+            title: entry.info.title,
+            year: entry.info.year,
+            outputs: entry.info.outputs,
+            stored_numbers: entry.stored_numbers,
+            source: entry.info.source,
+        }
+    }
+}

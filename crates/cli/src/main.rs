@@ -1,0 +1,51 @@
+//! `trisect`: compares ray–triangle methods on your machine and your scene.
+#![forbid(unsafe_code)]
+
+mod arguments;
+mod compare;
+mod list;
+mod output;
+mod progress;
+mod query;
+mod records;
+mod tasks;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::{CommandFactory as _, Parser as _};
+use trisect_harness::WrongAnswer;
+
+use arguments::{Arguments, Verb};
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let done = match arguments.verb {
+        None => compare::run(&arguments.compare),
+        Some(Verb::List(arguments)) => list::run(&arguments),
+        Some(Verb::Measure(arguments)) => compare::measure(&arguments),
+        Some(Verb::Rank(arguments)) => records::rank(&arguments),
+        Some(Verb::Cmp(arguments)) => records::compare(&arguments),
+        Some(Verb::Report(arguments)) => records::report(&arguments),
+        Some(Verb::Verify(arguments)) => verify::run(&arguments),
+        Some(Verb::Query(arguments)) => query::run(&arguments),
+        Some(Verb::Completions { shell }) => {
+            clap_complete::generate(
+                shell,
+                &mut Arguments::command(),
+                "trisect",
+                &mut std::io::stdout(),
+            );
+            Ok(())
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if output::is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("trisect: {error:#}");
+            // 2: the input is at fault, as for clap's own errors; 1: trisect is.
+            ExitCode::from(if error.is::<WrongAnswer>() { 1 } else { 2 })
+        }
+    }
+}

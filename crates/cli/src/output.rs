@@ -1,0 +1,59 @@
+//! Writing: to standard output, or to a file that is there whole or not at all.
+
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+
+/// Refuses a folder that cannot be written, before any work is done for it.
+pub(crate) fn check_folder(folder: &Path) -> Result<()> {
+    let context = || {
+        format!("{}: cannot write to this folder; name another with --output", folder.display())
+    };
+    fs::create_dir_all(folder).with_context(context)?;
+    tempfile::Builder::new().prefix(".trisect-").tempfile_in(folder).with_context(context)?;
+    Ok(())
+}
+
+/// The folder that a file lies in.
+pub(crate) fn folder_of(file: &Path) -> &Path {
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Writes a file beside its place, then renames it.
+pub(crate) fn write_file(
+    file: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<()> {
+    let context = || format!("{}: cannot write", file.display());
+    let mut beside = tempfile::Builder::new()
+        .prefix(".trisect-")
+        .tempfile_in(folder_of(file))
+        .with_context(context)?;
+    let mut buffered = BufWriter::new(beside.as_file_mut());
+    write(&mut buffered).and_then(|()| buffered.flush()).with_context(context)?;
+    drop(buffered);
+    beside.persist(file).with_context(context)?;
+    Ok(())
+}
+
+/// Prints through a buffer.
+pub(crate) fn print(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    write(&mut out)?;
+    out.flush()?;
+    Ok(())
+}
+
+/// Whether the reader of our output went away: no failure of ours.
+pub(crate) fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause
+            .downcast_ref::<io::Error>()
+            .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+    })
+}

@@ -1,0 +1,181 @@
+//! `trisect query`: rays against a mesh.
+
+use std::io::{self, Write};
+
+use anyhow::{Result, bail};
+use rayon::prelude::*;
+use serde::Serialize;
+use trisect_catalog::{Entry, Finder, Kernels, Lane};
+use trisect_core::{Culling, Hit, Precision, Ray, Scalar as _, Triangle, Vec3};
+use trisect_oracle::{Exact, Oracle};
+
+use crate::arguments::{self, Query};
+use crate::{list, output, tasks};
+
+/// The name that stands for the exact truth.
+const ORACLE: &str = "oracle";
+
+/// One ray's answer.
+enum Answer<E> {
+    Miss,
+    /// Some hit, no matter which.
+    Any,
+    Closest(u32, Hit<E>),
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Line<E> {
+    Flag { ray: usize, hit: bool },
+    Closest { ray: usize, hit: bool, triangle: u32, t: E, beta: E, gamma: E },
+}
+
+pub(crate) fn run(arguments: &Query) -> Result<()> {
+    match arguments.precision {
+        arguments::Precision::F32 => {
+            answer(arguments, |entry| &entry.f32, |file| file.rays_f32, |triangle| triangle)
+        }
+        arguments::Precision::F64 => {
+            answer(arguments, |entry| &entry.f64, |file| file.rays, Triangle::from)
+        }
+    }
+}
+
+fn answer<E: Precision + Serialize>(
+    arguments: &Query,
+    kernels: impl Fn(&'static Entry) -> &'static Kernels<E>,
+    rays: impl Fn(trisect_workloads::RaysFile) -> Vec<Ray<E>>,
+    triangle: impl Fn(Triangle<f32>) -> Triangle<E>,
+) -> Result<()> {
+    // What is typed is checked before what is read.
+    let finder = if arguments.method == ORACLE {
+        None
+    } else {
+        let kernels = kernels(tasks::method(&arguments.method)?);
+        Some((kernels, choose(arguments, kernels)?))
+    };
+    let mesh = tasks::load_mesh(&arguments.mesh)?;
+    let rays = rays(tasks::load_rays(&arguments.rays)?);
+    let triangles: Vec<_> = mesh.triangles.iter().copied().map(triangle).collect();
+    let culling = arguments.cull.into();
+    let answers = match finder {
+        None => truth(&rays, &triangles, culling, arguments.any),
+        Some((kernels, finder)) => {
+            let scene = (kernels.prepare)(&triangles, &rays);
+            if arguments.any {
+                let any = finder.any(&scene, culling, rays.len());
+                any.into_iter().map(|hit| if hit { Answer::Any } else { Answer::Miss }).collect()
+            } else {
+                let closest = finder.closest(&scene, culling, rays.len());
+                closest.into_iter().map(Answer::widened).collect()
+            }
+        }
+    };
+    output::print(|out| {
+        for (ray, answer) in answers.into_iter().enumerate() {
+            answer.print(ray, out)?;
+        }
+        Ok(())
+    })
+}
+
+/// The finder of the width and division asked for.
+fn choose<E: Precision>(
+    arguments: &Query,
+    kernels: &'static Kernels<E>,
+) -> Result<&'static Finder> {
+    let here = list::widths(&kernels.finders).iter().map(usize::to_string).collect::<Vec<_>>();
+    let here = here.join(", ");
+    let precision = arguments.precision.name();
+    let width = arguments.width.lanes();
+    let Some(finder) = kernels.plain_finder(width, arguments.division.name()) else {
+        let width = width.map_or("native".to_owned(), |width| width.to_string());
+        bail!("{precision} has no width {width}; use --width native or one of {here}");
+    };
+    let Lane { width, instruction_set, .. } = finder.variant.lane;
+    if !instruction_set.is_available() {
+        bail!(
+            "{precision} width {width} stands for {instruction_set}, which this processor lacks; \
+             use --width native or one of {here}"
+        );
+    }
+    Ok(finder)
+}
+
+/// The oracle's answers, on all processors.
+fn truth<E: Precision>(
+    rays: &[Ray<E>],
+    triangles: &[Triangle<E>],
+    culling: Culling,
+    any: bool,
+) -> Vec<Answer<E>> {
+    let answer = |ray: &Ray<E>| {
+        let mut oracle = Oracle::default();
+        if culling == Culling::None && !any {
+            return oracle.closest(ray, triangles).into();
+        }
+        let mut seen = (0_u32..).zip(triangles).filter(|(_, triangle)| {
+            oracle.classify(ray, triangle).is_hit() && is_seen(ray, triangle, culling)
+        });
+        if any {
+            return if seen.next().is_some() { Answer::Any } else { Answer::Miss };
+        }
+        let (numbers, seen): (Vec<u32>, Vec<Triangle<E>>) = seen.unzip();
+        match oracle.closest(ray, &seen).into() {
+            Answer::Closest(place, hit) => Answer::Closest(numbers[place as usize], hit),
+            other => other,
+        }
+    };
+    rays.par_iter().map(answer).collect()
+}
+
+/// Whether culling leaves the face that the ray meets; decided exactly.
+fn is_seen<E: Precision>(ray: &Ray<E>, triangle: &Triangle<E>, culling: Culling) -> bool {
+    if culling == Culling::None {
+        return true;
+    }
+    Exact::scope(|| {
+        let exact = |v: Vec3<E>| v.map(|x| Exact::from_f64(x.to_f64()));
+        let [a, b, c] = triangle.corners().map(exact);
+        let along_normal = exact(ray.d).dot((b - a).cross(c - a));
+        let zero = Exact::from_f64(0.0);
+        match culling {
+            Culling::Back => along_normal < zero,
+            _ => along_normal > zero,
+        }
+    })
+}
+
+impl<E: Precision> Answer<E> {
+    /// From a finder, whose numbers were widened exactly.
+    fn widened(closest: Option<(u32, Hit<f64>)>) -> Self {
+        closest.map_or(Self::Miss, |(number, Hit { t, beta, gamma })| {
+            let [t, beta, gamma] = [t, beta, gamma].map(E::from_f64);
+            Self::Closest(number, Hit { t, beta, gamma })
+        })
+    }
+}
+
+impl<E> From<Option<(usize, trisect_oracle::Answer<E>)>> for Answer<E> {
+    fn from(closest: Option<(usize, trisect_oracle::Answer<E>)>) -> Self {
+        closest
+            .and_then(|(number, answer)| {
+                Some(Self::Closest(u32::try_from(number).ok()?, answer.hit?))
+            })
+            .unwrap_or(Self::Miss)
+    }
+}
+
+impl<E: Serialize> Answer<E> {
+    fn print(self, ray: usize, out: &mut dyn Write) -> io::Result<()> {
+        let line = match self {
+            Self::Miss => Line::Flag { ray, hit: false },
+            Self::Any => Line::Flag { ray, hit: true },
+            Self::Closest(triangle, Hit { t, beta, gamma }) => {
+                Line::Closest { ray, hit: true, triangle, t, beta, gamma }
+            }
+        };
+        serde_json::to_writer(&mut *out, &line)?;
+        out.write_all(b"\n")
+    }
+}

@@ -1,0 +1,44 @@
+//! `rank`, `cmp` and `report`: what is made of records.
+
+use anyhow::{Context as _, Result, bail};
+use serde::Serialize;
+use trisect_report::Filter;
+
+use crate::arguments::{Cmp, Rank, Report};
+use crate::compare::read;
+use crate::output;
+
+const COLUMNS: usize = 80;
+
+pub(crate) fn rank(arguments: &Rank) -> Result<()> {
+    let records = read(&arguments.record)?;
+    let filter = Filter { needs: arguments.needs.clone(), workload: arguments.workload.clone() };
+    let ranking = trisect_report::rank(&records, &filter);
+    show(&ranking, ranking.to_text(COLUMNS), arguments.json)
+}
+
+pub(crate) fn compare(arguments: &Cmp) -> Result<()> {
+    let (a, b) = (read(&arguments.a)?, read(&arguments.b)?);
+    let comparison = trisect_report::compare(&a, &b);
+    show(&comparison, comparison.to_text(COLUMNS), arguments.json)
+}
+
+pub(crate) fn report(arguments: &Report) -> Result<()> {
+    let records = read(&arguments.record)?;
+    output::check_folder(&arguments.output)?;
+    let page = trisect_report::write_page(&records, &arguments.output)
+        .with_context(|| format!("{}: cannot write the page", arguments.output.display()))?;
+    eprintln!("page  {}", page.index.display());
+    Ok(())
+}
+
+fn show(value: &impl Serialize, text: String, json: bool) -> Result<()> {
+    output::print(|out| {
+        if json {
+            serde_json::to_writer(&mut *out, value)?;
+            writeln!(out)
+        } else {
+            writeln!(out, "{}", text.trim_end())
+        }
+    })
+}

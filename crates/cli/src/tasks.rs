@@ -1,0 +1,192 @@
+//! What is measured: methods, meshes and rays, as the arguments name them.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{Result, anyhow, bail};
+use trisect_catalog::{Entry, entries, find};
+use trisect_core::{Culling, Hit, Ray};
+use trisect_harness::Task;
+use trisect_harness::record::Family;
+use trisect_workloads::{Light, Mesh, RaysFile, Workload};
+
+use crate::arguments::{Measurement, Subjects};
+
+/// How much is measured.
+struct Size {
+    /// Rays, and triangles, of the random workload.
+    random: usize,
+    /// Side, in pixels, of the picture whose rays meet a mesh.
+    picture: usize,
+    /// Rays that are timed against a mesh.
+    timed_rays: usize,
+    /// Rays, and triangles, of each step of the share of hits.
+    hit_rate: usize,
+    /// Triangles of the largest working set, as a power of two.
+    working_set: u32,
+}
+
+const QUICK: Size =
+    Size { random: 512, picture: 12, timed_rays: 16, hit_rate: 256, working_set: 20 };
+const FULL: Size =
+    Size { random: 1024, picture: 24, timed_rays: 64, hit_rate: 512, working_set: 22 };
+
+/// The methods named, or all.
+pub(crate) fn methods(names: &[String]) -> Result<Vec<&'static Entry>> {
+    if names.is_empty() {
+        return Ok(entries().iter().collect());
+    }
+    names.iter().map(|name| method(name)).collect()
+}
+
+/// The method of that name.
+pub(crate) fn method(name: &str) -> Result<&'static Entry> {
+    find(name).ok_or_else(|| {
+        let known: Vec<_> = entries().iter().map(|entry| entry.info.name).collect();
+        anyhow!("unknown method `{name}`; `trisect list` shows them: {}", known.join(", "))
+    })
+}
+
+/// The meshes named, or the bunny.
+pub(crate) fn meshes(subjects: &Subjects) -> Result<Vec<Mesh>> {
+    if subjects.mesh.is_empty() {
+        return Ok(vec![Mesh::bunny()]);
+    }
+    subjects.mesh.iter().map(|path| load_mesh(path)).collect()
+}
+
+/// Loads a mesh, and says how many of its triangles are degenerate.
+pub(crate) fn load_mesh(path: &Path) -> Result<Mesh> {
+    let mesh = Mesh::load(path)?;
+    if mesh.degenerate > 0 {
+        eprintln!(
+            "{}: {} of {} triangles are degenerate and never hit",
+            path.display(),
+            mesh.degenerate,
+            mesh.triangles.len()
+        );
+    }
+    Ok(mesh)
+}
+
+/// Reads rays from a file, or from standard input for `-`.
+pub(crate) fn load_rays(path: &Path) -> Result<RaysFile> {
+    if path.as_os_str() == "-" {
+        return Ok(trisect_workloads::read_rays_csv("standard input", std::io::stdin().lock())?);
+    }
+    Ok(trisect_workloads::read_rays(path)?)
+}
+
+/// The workloads of a comparison: random, each mesh with its four sets of rays, and the two
+/// series. They are made when they are asked for, and dropped when they are done with.
+pub(crate) fn comparison(
+    measurement: &Measurement,
+    meshes: Vec<Mesh>,
+) -> impl Iterator<Item = Task> {
+    let size = if measurement.full { FULL } else { QUICK };
+    let seed = measurement.subjects.seed;
+    let random = std::iter::once_with(move || {
+        task(
+            trisect_workloads::random(seed, size.random, size.random),
+            Family::Random,
+            size.random,
+        )
+    });
+    let meshes = meshes.into_iter().flat_map(move |mesh| {
+        mesh_workloads(seed, &mesh, size.picture).into_iter().enumerate().map(
+            // The first set is timed; all of them answer.
+            move |(i, workload)| {
+                task(workload, Family::Mesh, if i == 0 { size.timed_rays } else { 0 })
+            },
+        )
+    });
+    let hit_rates = (0..=100).step_by(10).map(move |percent| {
+        let workload =
+            trisect_workloads::hit_rate(seed, percent, size.hit_rate, size.hit_rate);
+        let rays = workload.rays.len();
+        task(workload, Family::HitRate, rays)
+    });
+    let working_sets = (8..=size.working_set).map(move |power| {
+        // As many tests in each, but for the largest: a sample of a millisecond or more.
+        let rays = (1 << 20 >> power).max(1);
+        task(
+            trisect_workloads::working_set(seed, rays, 1 << power),
+            Family::WorkingSet,
+            rays,
+        )
+    });
+    random.chain(meshes).chain(hit_rates).chain(working_sets)
+}
+
+/// The workloads of a verification: random, unless there are meshes; each mesh with `rays`, or
+/// with its four sets.
+pub(crate) fn verification(
+    subjects: &Subjects,
+    meshes: &[Mesh],
+    rays: Option<&RaysFile>,
+) -> Vec<Task> {
+    let seed = subjects.seed;
+    if meshes.is_empty() {
+        let workload = trisect_workloads::random(seed, QUICK.random, QUICK.random);
+        return vec![task(workload, Family::Random, 0)];
+    }
+    let workloads = meshes.iter().flat_map(|mesh| match rays {
+        Some(rays) => vec![Workload {
+            name: format!("{}-rays", mesh.name),
+            description: format!("the rays given, against {}", mesh.name),
+            rays: rays.rays_f32.clone(),
+            triangles: Arc::clone(&mesh.triangles),
+        }],
+        None => mesh_workloads(seed, mesh, QUICK.picture),
+    });
+    workloads.map(|workload| task(workload, Family::Mesh, 0)).collect()
+}
+
+fn task(workload: Workload, family: Family, timed_rays: usize) -> Task {
+    let Workload { name, description, rays, triangles } = workload;
+    Task { name, description, family, rays, triangles: triangles.to_vec(), timed_rays }
+}
+
+/// Primary, random, diffuse and occlusion rays against a mesh.
+fn mesh_workloads(seed: u64, mesh: &Mesh, picture: usize) -> Vec<Workload> {
+    let primary = trisect_workloads::primary(mesh, picture, picture);
+    let closest = closest(&primary.rays, mesh);
+    let mut next = closest.iter();
+    let mut look_up = |_: &Ray<f32>| next.next().copied().flatten();
+    let bounce = trisect_workloads::diffuse_bounce(seed, mesh, picture, picture, &mut look_up);
+    let mut next = closest.iter();
+    let mut look_up = |_: &Ray<f32>| next.next().copied().flatten();
+    let light = Light::above(&mesh.bounds);
+    let occlusion =
+        trisect_workloads::occlusion(seed, mesh, &light, picture, picture, &mut look_up);
+    let random = trisect_workloads::random_through_box(seed, mesh, picture * picture);
+    vec![primary, random, bounce, occlusion]
+}
+
+/// The closest hit of each ray, by the first method of the catalogue.
+fn closest(rays: &[Ray<f32>], mesh: &Mesh) -> Vec<Option<(usize, Hit<f32>)>> {
+    let kernels = &entries()[0].f32;
+    let scene = (kernels.prepare)(&mesh.triangles, rays);
+    let finder = kernels
+        .plain_finder(None, "deferred")
+        .expect("a plain finder is compiled for every processor");
+    let narrow = |x: f64| trisect_core::Scalar::from_f64(x);
+    finder
+        .closest(&scene, Culling::None, rays.len())
+        .into_iter()
+        .map(|closest| {
+            closest.map(|(number, hit)| {
+                let hit = Hit { t: narrow(hit.t), beta: narrow(hit.beta), gamma: narrow(hit.gamma) };
+                (number as usize, hit)
+            })
+        })
+        .collect()
+}
+
+/// Refuses an empty list of rays where there is nothing to do without.
+pub(crate) fn some_rays(rays: &RaysFile, path: &Path) -> Result<()> {
+    if rays.rays.is_empty() {
+        bail!("{}: no rays; give at least one", path.display());
+    }
+    Ok(())
+}

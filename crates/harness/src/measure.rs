@@ -1,0 +1,415 @@
+//! Measures every variant of every method on a list of workloads.
+
+use std::time::{Instant, SystemTime};
+
+use rand::SeedableRng;
+use rand_pcg::Pcg64;
+use trisect_catalog::{Entry, Kernel, Kernels, Scene, Variant};
+use trisect_core::{Float, Precision, Ray, Triangle};
+
+use crate::answers::{Answers, Pair, QUANTITIES};
+use crate::machine;
+use crate::record::{
+    Agreement, Decisions, Error, Family, Header, MethodCount, MethodFacts, Preparation, Record,
+    Records, SCHEMA, Throughput,
+};
+use crate::subject::Subject;
+use crate::timing::{self, Contender, WrongAnswer};
+
+/// The method that is the reference of the error tables, in f64.
+const REFERENCE: &str = "moller-trumbore";
+
+/// Rays and triangles to measure on.
+pub struct Task {
+    /// Unique name.
+    pub name: String,
+    /// One sentence for a reader.
+    pub description: String,
+    /// What it is for: decides what is measured on it.
+    pub family: Family,
+    /// The rays.
+    pub rays: Vec<Ray<f32>>,
+    /// The triangles.
+    pub triangles: Vec<Triangle<f32>>,
+    /// How many of the rays, from the first, are timed; all of them answer.
+    pub timed_rays: usize,
+}
+
+/// How to measure.
+pub struct Settings {
+    /// The command line, for the record.
+    pub command: String,
+    /// Seed of the order of samples; workloads carry their own.
+    pub seed: u64,
+    /// Samples of each variant.
+    pub rounds: usize,
+    /// The methods to measure.
+    pub methods: Vec<&'static Entry>,
+    /// Whether time is measured; without, only answers are.
+    pub timed: bool,
+}
+
+/// Hears how far a measurement is; never called inside a timed section.
+pub trait Progress {
+    /// A new phase of `steps` steps begins.
+    fn phase(&mut self, name: &str, steps: u64);
+    /// One step is done.
+    fn step(&mut self);
+}
+
+/// Measures the methods on each task.
+///
+/// # Errors
+/// When a timed sample does not return what its variant's answers add up to.
+pub fn measure(
+    settings: &Settings,
+    tasks: impl IntoIterator<Item = Task>,
+    progress: &mut dyn Progress,
+) -> Result<Records, WrongAnswer> {
+    let started = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
+    let mut machine = machine::facts();
+    let mut run = Run {
+        settings,
+        random: Pcg64::seed_from_u64(settings.seed),
+        lines: Vec::new(),
+        ghz: vec![machine::core_ghz()],
+        progress,
+    };
+    run.lines.extend(settings.methods.iter().map(|entry| {
+        Record::Method(MethodFacts {
+            name: entry.info.name.to_owned(),
+            title: entry.info.title.to_owned(),
+            year: entry.info.year,
+            source: entry.info.source.to_owned(),
+            stored_numbers: entry.stored_numbers,
+        })
+    }));
+    for task in tasks {
+        run.task(task)?;
+    }
+    run.ghz.sort_unstable_by(f64::total_cmp);
+    machine.core_ghz = run.ghz[run.ghz.len() / 2];
+    let header = Header {
+        schema: SCHEMA,
+        trisect: env!("CARGO_PKG_VERSION").to_owned(),
+        command: settings.command.clone(),
+        started,
+        seed: settings.seed,
+        rounds: settings.rounds,
+        machine,
+    };
+    Ok(Records { header, lines: run.lines })
+}
+
+/// A measurement under way.
+struct Run<'a> {
+    settings: &'a Settings,
+    random: Pcg64,
+    lines: Vec<Record>,
+    ghz: Vec<f64>,
+    progress: &'a mut dyn Progress,
+}
+
+/// One method in one precision on one subject: the answers of each finder that can run here.
+struct Answered {
+    method: &'static str,
+    precision: &'static str,
+    unit_roundoff: f64,
+    significant_bits: i32,
+    variants: Vec<(Variant, Answers)>,
+}
+
+impl Run<'_> {
+    fn task(&mut self, task: Task) -> Result<(), WrongAnswer> {
+        let Task { name, description, family, rays, triangles, timed_rays } = task;
+        self.progress.phase(&format!("{name}: asking the oracle"), 1);
+        let subject = Subject::new(name, description, family, rays, triangles);
+        self.progress.step();
+        self.lines.push(Record::Workload(subject.workload.clone()));
+
+        let methods = self.settings.methods.clone();
+        if matches!(family, Family::Random | Family::Mesh) {
+            self.progress.phase(
+                &format!("{}: comparing answers", subject.workload.name),
+                methods.len() as u64 * 2,
+            );
+            let mut answered = Vec::new();
+            for entry in &methods {
+                answered.push(self.answer(entry, &entry.f32, &subject.rays32, &subject.triangles32));
+                answered.push(self.answer(entry, &entry.f64, &subject.rays64, &subject.triangles64));
+            }
+            self.errors(&subject, &answered);
+            self.agreement(&subject, &answered);
+        }
+        if self.settings.timed && timed_rays > 0 {
+            let timed_rays = timed_rays.min(subject.rays32.len());
+            let mut groups = Vec::new();
+            self.progress.phase(
+                &format!("{}: preparing", subject.workload.name),
+                methods.len() as u64 * 2,
+            );
+            for entry in &methods {
+                let rays = &subject.rays32[..timed_rays];
+                groups.push(self.prepare(&subject, entry, &entry.f32, rays, &subject.triangles32));
+                let rays = &subject.rays64[..timed_rays];
+                groups.push(self.prepare(&subject, entry, &entry.f64, rays, &subject.triangles64));
+            }
+            self.time(&subject, timed_rays, &groups)?;
+        }
+        Ok(())
+    }
+
+    fn answer<E: Precision>(
+        &mut self,
+        entry: &Entry,
+        kernels: &Kernels<E>,
+        rays: &[Ray<E>],
+        triangles: &[Triangle<E>],
+    ) -> Answered {
+        let scene = (kernels.prepare)(triangles, rays);
+        let variants = kernels
+            .finders
+            .iter()
+            .filter(|finder| finder.variant.lane.instruction_set.is_available())
+            .map(|finder| (finder.variant, Answers::of(finder, &scene)))
+            .collect();
+        self.progress.step();
+        Answered {
+            method: entry.info.name,
+            precision: E::NAME,
+            unit_roundoff: E::UNIT_ROUNDOFF,
+            significant_bits: E::SIGNIFICANT_BITS,
+            variants,
+        }
+    }
+
+    fn errors(&mut self, subject: &Subject, answered: &[Answered]) {
+        let truth: Vec<Pair> = subject.truth.iter().map(Pair::from).collect();
+        let reference = answered
+            .iter()
+            .find(|a| a.method == REFERENCE && a.precision == f64::NAME)
+            .and_then(Answered::plain_scalar);
+        let mut references = vec![("oracle", truth.as_slice())];
+        references.extend(reference.map(|answers| ("f64-moller-trumbore", answers.pairs())));
+        for method in answered {
+            for (variant, answers) in &method.variants {
+                let named = record_variant(method.method, *variant, "one-ray", true, "barycentrics");
+                for (name, pairs) in &references {
+                    for (quantity, of) in QUANTITIES {
+                        let (count, relative, ulps) = answers.errors(pairs, of, method.significant_bits);
+                        self.lines.push(Record::Error(Error {
+                            variant: named.clone(),
+                            workload: subject.workload.name.clone(),
+                            reference: (*name).to_owned(),
+                            quantity: quantity.to_owned(),
+                            count,
+                            relative,
+                            ulps,
+                        }));
+                    }
+                }
+                self.lines.push(Record::Decisions(Decisions {
+                    variant: named,
+                    workload: subject.workload.name.clone(),
+                    classes: answers.decisions(subject),
+                }));
+            }
+        }
+    }
+
+    fn agreement(&mut self, subject: &Subject, answered: &[Answered]) {
+        let rays = subject.rays32.len();
+        for precision in [f32::NAME, f64::NAME] {
+            let closest: Vec<_> = answered
+                .iter()
+                .filter(|a| a.precision == precision)
+                .filter_map(|a| Some((a.method, a.plain_scalar()?.closest(rays))))
+                .collect();
+            let Some((_, first)) = closest.first() else { continue };
+            let unanimous =
+                (0..rays).filter(|&ray| closest.iter().all(|(_, c)| c[ray] == first[ray])).count();
+            let differs_from_oracle = closest
+                .iter()
+                .map(|(method, closest)| MethodCount {
+                    method: (*method).to_owned(),
+                    count: closest.iter().zip(&subject.closest).filter(|(a, b)| a != b).count(),
+                })
+                .collect();
+            self.lines.push(Record::Agreement(Agreement {
+                workload: subject.workload.name.clone(),
+                precision: precision.to_owned(),
+                rays,
+                unanimous,
+                differs_from_oracle,
+            }));
+        }
+    }
+
+    /// Prepares a method's triangles, timed, and lists the kernels to time on them.
+    fn prepare<E: Precision>(
+        &mut self,
+        subject: &Subject,
+        entry: &'static Entry,
+        kernels: &'static Kernels<E>,
+        rays: &[Ray<E>],
+        triangles: &[Triangle<E>],
+    ) -> Group {
+        let timed: Vec<&Kernel> = kernels
+            .timed
+            .iter()
+            .filter(|kernel| kernel.variant.lane.instruction_set.is_available())
+            .filter(|kernel| is_shown(subject.workload.family, kernel, &kernels.timed))
+            .collect();
+        let mut samples_ns = Vec::new();
+        for _ in 0..self.settings.rounds {
+            let start = Instant::now();
+            let scene = (kernels.prepare)(triangles, &[]);
+            samples_ns.push(u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX));
+            drop(scene);
+        }
+        self.lines.push(Record::Preparation(Preparation {
+            method: entry.info.name.to_owned(),
+            precision: E::NAME.to_owned(),
+            workload: subject.workload.name.clone(),
+            triangles: triangles.len(),
+            samples_ns,
+        }));
+        let scene = (kernels.prepare)(triangles, rays);
+        let answers = kernels
+            .finders
+            .iter()
+            .filter(|finder| timed.iter().any(|kernel| kernel.variant == finder.variant))
+            .map(|finder| (finder.variant, Answers::of(finder, &scene)))
+            .collect();
+        self.progress.step();
+        Group {
+            method: entry.info.name,
+            bytes_per_triangle: entry.stored_numbers * size_of::<E>(),
+            unit_roundoff: E::UNIT_ROUNDOFF,
+            scene,
+            timed,
+            answers,
+        }
+    }
+
+    fn time(
+        &mut self,
+        subject: &Subject,
+        timed_rays: usize,
+        groups: &[Group],
+    ) -> Result<(), WrongAnswer> {
+        let mut contenders = Vec::new();
+        let mut of_group = Vec::new();
+        for group in groups {
+            for &kernel in &group.timed {
+                contenders.push(Contender {
+                    kernel,
+                    scene: &group.scene,
+                    expected: group.expected(kernel),
+                    samples_ns: Vec::new(),
+                    tally: None,
+                });
+                of_group.push(group);
+            }
+        }
+        let steps = contenders.len() * (self.settings.rounds + 1);
+        self.progress.phase(&format!("{}: timing", subject.workload.name), steps as u64);
+        let progress = &mut *self.progress;
+        timing::rounds(&mut contenders, self.settings.rounds, &mut self.random, || {
+            progress.step();
+        })?;
+        self.ghz.push(machine::core_ghz());
+        for (contender, group) in contenders.into_iter().zip(of_group) {
+            let kernel = contender.kernel;
+            let Some(tally) = contender.tally else { continue };
+            self.lines.push(Record::Throughput(Throughput {
+                variant: record_variant(
+                    group.method,
+                    kernel.variant,
+                    kernel.arrangement.name(),
+                    kernel.early_out,
+                    kernel.needs,
+                ),
+                workload: subject.workload.name.clone(),
+                tests: (timed_rays * subject.triangles32.len()) as u64,
+                samples_ns: contender.samples_ns,
+                hits: tally.hits,
+                checksum: tally.sum.to_bits(),
+                bytes_per_triangle: group.bytes_per_triangle,
+            }));
+        }
+        Ok(())
+    }
+}
+
+/// A method in one precision, prepared for timing.
+struct Group {
+    method: &'static str,
+    bytes_per_triangle: usize,
+    unit_roundoff: f64,
+    scene: Scene,
+    timed: Vec<&'static Kernel>,
+    answers: Vec<(Variant, Answers)>,
+}
+
+impl Group {
+    fn expected(&self, kernel: &Kernel) -> timing::Expected {
+        let (_, answers) = self
+            .answers
+            .iter()
+            .find(|(variant, _)| *variant == kernel.variant)
+            .expect("every timed variant has a finder");
+        answers.expected(kernel.needs, self.unit_roundoff)
+    }
+}
+
+impl Answered {
+    /// The answers that are the same on every machine.
+    fn plain_scalar(&self) -> Option<&Answers> {
+        self.variants
+            .iter()
+            .find(|(variant, _)| variant.lane.width == 1 && variant.division == "deferred")
+            .map(|(_, answers)| answers)
+    }
+}
+
+/// Whether a kernel is timed on a family of workloads: everything where methods are compared; on
+/// the series the scalar and the widest f32 lanes with full hits, one ray at a time.
+fn is_shown(family: Family, kernel: &Kernel, all: &[Kernel]) -> bool {
+    if matches!(family, Family::Random | Family::Mesh) {
+        return true;
+    }
+    let lane = kernel.variant.lane;
+    let widest = all
+        .iter()
+        .map(|other| other.variant.lane)
+        .filter(|lane| lane.instruction_set.is_available())
+        .max_by_key(|lane| (lane.width, lane.arithmetic == "fused"));
+    let shown_lane = Some(lane) == widest || (lane.width == 1 && family == Family::HitRate);
+    shown_lane
+        && lane.precision == f32::NAME
+        && kernel.needs == "barycentrics"
+        && kernel.arrangement.name() == "one-ray"
+        && kernel.variant.reciprocal == "true"
+}
+
+fn record_variant(
+    method: &str,
+    variant: Variant,
+    arrangement: &str,
+    early_out: bool,
+    needs: &str,
+) -> crate::record::Variant {
+    crate::record::Variant {
+        method: method.to_owned(),
+        precision: variant.lane.precision.to_owned(),
+        width: variant.lane.width,
+        instruction_set: variant.lane.instruction_set.name().to_owned(),
+        arithmetic: variant.lane.arithmetic.to_owned(),
+        arrangement: arrangement.to_owned(),
+        division: variant.division.to_owned(),
+        reciprocal: variant.reciprocal.to_owned(),
+        early_out,
+        needs: needs.to_owned(),
+    }
+}
