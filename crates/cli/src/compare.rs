@@ -1,7 +1,6 @@
 //! The comparison, and `trisect measure`.
 
 use std::fs::File;
-use std::io::Write as _;
 use std::path::Path;
 
 use anyhow::{Context as _, Result};

@@ -3,6 +3,7 @@
 use anyhow::Result;
 use serde::Serialize;
 use trisect_catalog::{Entry, entries};
+use trisect_core::InstructionSet;
 use trisect_harness::machine;
 
 use crate::arguments::List;
@@ -32,7 +33,7 @@ pub(crate) fn run(arguments: &List) -> Result<()> {
         methods: entries().iter().map(Method::from).collect(),
         widths: entries().first().map_or_else(Vec::new, |entry| widths(&entry.f32.finders)),
         widths_f64: entries().first().map_or_else(Vec::new, |entry| widths(&entry.f64.finders)),
-        instruction_sets: machine::instruction_sets().map(|set| set.name()).collect(),
+        instruction_sets: machine::instruction_sets().map(InstructionSet::name).collect(),
     };
     output::print(|out| {
         if arguments.json {

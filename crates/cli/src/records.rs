@@ -1,6 +1,6 @@
 //! `rank`, `cmp` and `report`: what is made of records.
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result};
 use serde::Serialize;
 use trisect_report::Filter;
 
@@ -14,13 +14,13 @@ pub(crate) fn rank(arguments: &Rank) -> Result<()> {
     let records = read(&arguments.record)?;
     let filter = Filter { needs: arguments.needs.clone(), workload: arguments.workload.clone() };
     let ranking = trisect_report::rank(&records, &filter);
-    show(&ranking, ranking.to_text(COLUMNS), arguments.json)
+    show(&ranking, &ranking.to_text(COLUMNS), arguments.json)
 }
 
 pub(crate) fn compare(arguments: &Cmp) -> Result<()> {
     let (a, b) = (read(&arguments.a)?, read(&arguments.b)?);
     let comparison = trisect_report::compare(&a, &b);
-    show(&comparison, comparison.to_text(COLUMNS), arguments.json)
+    show(&comparison, &comparison.to_text(COLUMNS), arguments.json)
 }
 
 pub(crate) fn report(arguments: &Report) -> Result<()> {
@@ -32,7 +32,7 @@ pub(crate) fn report(arguments: &Report) -> Result<()> {
     Ok(())
 }
 
-fn show(value: &impl Serialize, text: String, json: bool) -> Result<()> {
+fn show(value: &impl Serialize, text: &str, json: bool) -> Result<()> {
     output::print(|out| {
         if json {
             serde_json::to_writer(&mut *out, value)?;

@@ -28,8 +28,11 @@ pub(crate) struct Answers {
     pairs: Vec<Pair>,
 }
 
+/// One of the numbers of a hit.
+type Quantity = fn(&Hit<f64>) -> f64;
+
 /// What is compared, of a hit.
-pub(crate) const QUANTITIES: [(&str, fn(&Hit<f64>) -> f64); 3] =
+pub(crate) const QUANTITIES: [(&str, Quantity); 3] =
     [("t", |hit| hit.t), ("beta", |hit| hit.beta), ("gamma", |hit| hit.gamma)];
 
 impl Answers {
@@ -76,7 +79,7 @@ impl Answers {
     pub(crate) fn errors(
         &self,
         reference: &[Pair],
-        quantity: fn(&Hit<f64>) -> f64,
+        quantity: Quantity,
         significant_bits: i32,
     ) -> (u64, Quantiles, Quantiles) {
         let mut relative = Vec::new();

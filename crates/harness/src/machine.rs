@@ -20,9 +20,12 @@ pub fn facts() -> Machine {
     let system = System::new_with_specifics(
         RefreshKind::nothing().with_cpu(CpuRefreshKind::nothing().with_frequency()),
     );
-    let cpu = system.cpus().first().map_or("", |cpu| cpu.brand().trim());
+    let cpu = system
+        .ok()
+        .and_then(|system| Some(system.cpus().first()?.brand().trim().to_owned()))
+        .filter(|brand| !brand.is_empty());
     Machine {
-        cpu: if cpu.is_empty() { "unknown processor".to_owned() } else { cpu.to_owned() },
+        cpu: cpu.unwrap_or_else(|| "unknown processor".to_owned()),
         logical_cpus: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
         instruction_sets: instruction_sets().map(|set| set.name().to_owned()).collect(),
         platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),

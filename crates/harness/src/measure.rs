@@ -114,7 +114,6 @@ struct Run<'a> {
 struct Answered {
     method: &'static str,
     precision: &'static str,
-    unit_roundoff: f64,
     significant_bits: i32,
     variants: Vec<(Variant, Answers)>,
 }
@@ -177,7 +176,6 @@ impl Run<'_> {
         Answered {
             method: entry.info.name,
             precision: E::NAME,
-            unit_roundoff: E::UNIT_ROUNDOFF,
             significant_bits: E::SIGNIFICANT_BITS,
             variants,
         }

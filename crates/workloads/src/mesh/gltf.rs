@@ -1,0 +1,271 @@
+//! glTF 2.0, as JSON with its buffers embedded or beside it, or as one binary file.
+//!
+//! The library parses and validates the document; the accessors are read here, since its own
+//! readers panic where a count is zero or a range overflows.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use gltf::accessor::{DataType, Dimensions};
+use gltf::buffer::{Data, Source};
+use gltf::mesh::Mode;
+use gltf::{Accessor, Error, Gltf, Node, Primitive, Semantic};
+
+use super::{Face, MeshProblem, Raw, Vertex};
+
+pub(super) fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Raw, MeshProblem> {
+    check_length(bytes)?;
+    let Gltf { document, mut blob } = Gltf::from_slice(bytes).map_err(|error| problem(&error))?;
+    let mut buffers = Vec::new();
+    for buffer in document.buffers() {
+        let name = format!("buffer {}", buffer.index());
+        if let Source::Uri(uri) = buffer.source() {
+            check_uri(uri, &name)?;
+        }
+        let data = Data::from_source_and_blob(buffer.source(), folder, &mut blob)
+            .map_err(|error| buffer_problem(&name, &error))?;
+        if data.len() < buffer.length() {
+            return Err(MeshProblem::Truncated {
+                what: format!("{name} needs {} bytes, it has {}", buffer.length(), data.len()),
+            });
+        }
+        buffers.push(data);
+    }
+
+    let mut raw = Raw::default();
+    // A node has one place in a sound file; a second visit would be a cycle. The stack is ours
+    // because a file may nest deeper than the program's.
+    let mut seen = HashSet::new();
+    let mut open: Vec<(Node<'_>, Matrix)> = Vec::new();
+    for scene in document.scenes() {
+        open.extend(scene.nodes().map(|node| (node, IDENTITY)));
+        open.reverse();
+        while let Some((node, parent)) = open.pop() {
+            if !seen.insert(node.index()) {
+                continue;
+            }
+            let world = multiply(&parent, &node.transform().matrix().map(|c| c.map(f64::from)));
+            if let Some(mesh) = node.mesh() {
+                for primitive in mesh.primitives() {
+                    let place = format!("mesh {} primitive {}", mesh.index(), primitive.index());
+                    read_primitive(&mut raw, &primitive, &buffers, &world, &place)?;
+                }
+            }
+            let children = open.len();
+            open.extend(node.children().map(|child| (child, world)));
+            open[children..].reverse();
+        }
+    }
+    Ok(raw)
+}
+
+/// The binary container must be as long as it says: the library subtracts without asking.
+fn check_length(bytes: &[u8]) -> Result<(), MeshProblem> {
+    if !bytes.starts_with(b"glTF") {
+        return Ok(());
+    }
+    let actual = bytes.len();
+    let promised = match bytes.get(8..12) {
+        Some(length) => u32::from_le_bytes([length[0], length[1], length[2], length[3]]) as usize,
+        None => 12,
+    };
+    if promised > actual {
+        Err(MeshProblem::Truncated {
+            what: format!("the header promises {promised} bytes, the file has {actual}"),
+        })
+    } else if promised < actual {
+        Err(MeshProblem::Trailing {
+            what: format!("the header promises {promised} bytes, the file has {actual}: bytes"),
+        })
+    } else if promised < 12 {
+        Err(MeshProblem::Malformed {
+            place: "header".to_owned(),
+            what: format!("the length is {promised} bytes"),
+        })
+    } else {
+        Ok(())
+    }
+}
+
+/// The library unwraps the text behind the percent signs of a path.
+fn check_uri(uri: &str, name: &str) -> Result<(), MeshProblem> {
+    if uri.starts_with("data:") {
+        return Ok(());
+    }
+    let mut decoded = Vec::new();
+    let bytes = uri.as_bytes();
+    let mut at = 0;
+    while at < bytes.len() {
+        let code = bytes
+            .get(at + 1..at + 3)
+            .filter(|_| bytes[at] == b'%')
+            .and_then(|code| str::from_utf8(code).ok())
+            .and_then(|code| u8::from_str_radix(code, 16).ok());
+        decoded.push(code.unwrap_or(bytes[at]));
+        at += if code.is_some() { 3 } else { 1 };
+    }
+    if str::from_utf8(&decoded).is_ok() {
+        Ok(())
+    } else {
+        Err(MeshProblem::Malformed { place: name.to_owned(), what: "its path is no text".into() })
+    }
+}
+
+fn buffer_problem(name: &str, error: &Error) -> MeshProblem {
+    match error {
+        Error::ExternalReferenceInSliceImport => MeshProblem::Unsupported {
+            what: format!("{name}: a buffer in another file is, for a mesh in memory,"),
+            mend: "embed the buffers (.glb)",
+        },
+        Error::MissingBlob => MeshProblem::Missing { what: format!("data for {name}") },
+        Error::Io(error) => MeshProblem::Missing { what: format!("data for {name} ({error})") },
+        error => MeshProblem::Malformed { place: name.to_owned(), what: error.to_string() },
+    }
+}
+
+fn problem(error: &Error) -> MeshProblem {
+    let what = error.to_string();
+    match error {
+        Error::Deserialize(error) if error.is_eof() => MeshProblem::Truncated { what },
+        _ => MeshProblem::Malformed { place: "document".to_owned(), what },
+    }
+}
+
+fn read_primitive(
+    raw: &mut Raw,
+    primitive: &Primitive<'_>,
+    buffers: &[Data],
+    world: &Matrix,
+    place: &str,
+) -> Result<(), MeshProblem> {
+    if primitive.mode() != Mode::Triangles {
+        return Err(MeshProblem::Unsupported {
+            what: format!("{place}: mode {:?} is", primitive.mode()),
+            mend: "export it as triangles",
+        });
+    }
+    let positions = primitive
+        .get(&Semantic::Positions)
+        .ok_or_else(|| MeshProblem::Missing { what: format!("POSITION in {place}") })?;
+    if (positions.dimensions(), positions.data_type()) != (Dimensions::Vec3, DataType::F32) {
+        return Err(MeshProblem::Unsupported {
+            what: format!("{place}: positions other than three floats are"),
+            mend: "export it without quantisation",
+        });
+    }
+    let first = raw.vertices.len();
+    for item in items(&positions, buffers, 12, place)? {
+        let number = |i: usize| {
+            f64::from(f32::from_le_bytes([item[i], item[i + 1], item[i + 2], item[i + 3]]))
+        };
+        raw.vertices
+            .push(Vertex { at: transform(world, [number(0), number(4), number(8)]), line: None });
+    }
+    let count = raw.vertices.len() - first;
+    let indices: Vec<usize> = match primitive.indices() {
+        None => (0..count).collect(),
+        Some(accessor) => {
+            let size = match (accessor.dimensions(), accessor.data_type()) {
+                (Dimensions::Scalar, DataType::U8) => 1,
+                (Dimensions::Scalar, DataType::U16) => 2,
+                (Dimensions::Scalar, DataType::U32) => 4,
+                (dimensions, data_type) => {
+                    return Err(MeshProblem::Malformed {
+                        place: place.to_owned(),
+                        what: format!("indices are {dimensions:?} of {data_type:?}"),
+                    });
+                }
+            };
+            items(&accessor, buffers, size, place)?
+                .map(|item| item.iter().rev().fold(0, |high, &byte| high << 8 | usize::from(byte)))
+                .collect()
+        }
+    };
+    if indices.len() % 3 != 0 {
+        return Err(MeshProblem::Malformed {
+            place: place.to_owned(),
+            what: format!("{} corners are not a multiple of three", indices.len()),
+        });
+    }
+    // A mirror turns front to back; the corners' order turns it again.
+    let order = if determinant(world) < 0.0 { [0, 2, 1] } else { [0, 1, 2] };
+    for corners in indices.chunks_exact(3) {
+        let pairs = order.map(|corner| {
+            let index = corners[corner];
+            // Indices count within the primitive: beyond its own vertices lie another's.
+            let resolved = if index < count { first + index } else { usize::MAX };
+            (i64::try_from(resolved).unwrap_or(-1), i64::try_from(index).unwrap_or(i64::MAX))
+        });
+        if let Some(&(_, index)) = pairs.iter().find(|(resolved, _)| *resolved < 0) {
+            return Err(MeshProblem::Malformed {
+                place: format!("face {}", raw.faces.len()),
+                what: format!("index {index} is out of range, {place} has {count} vertices"),
+            });
+        }
+        raw.faces.push(Face::from_pairs(pairs, None));
+    }
+    Ok(())
+}
+
+/// The items of an accessor, each of `size` bytes.
+fn items<'a>(
+    accessor: &Accessor<'_>,
+    buffers: &'a [Data],
+    size: usize,
+    place: &str,
+) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, MeshProblem> {
+    if accessor.sparse().is_some() {
+        return Err(MeshProblem::Unsupported {
+            what: format!("{place}: a sparse accessor is"),
+            mend: "export it dense",
+        });
+    }
+    let view = accessor.view().ok_or_else(|| MeshProblem::Missing {
+        what: format!("buffer view for accessor {} of {place}", accessor.index()),
+    })?;
+    let stride = view.stride().unwrap_or(size);
+    let count = accessor.count();
+    let range = || {
+        let data: &'a [u8] = buffers.get(view.buffer().index())?;
+        let data = data.get(view.offset()..view.offset().checked_add(view.length())?)?;
+        let data = data.get(accessor.offset()..)?;
+        let needed = match count {
+            0 => 0,
+            _ => stride.checked_mul(count - 1)?.checked_add(size)?,
+        };
+        (stride >= size && needed <= data.len()).then_some(data)
+    };
+    let data = range().ok_or_else(|| MeshProblem::Malformed {
+        place: place.to_owned(),
+        what: format!("accessor {} reaches beyond its buffer view", accessor.index()),
+    })?;
+    Ok((0..count).map(move |i| &data[i * stride..i * stride + size]))
+}
+
+/// Columns of a 4×4 matrix; f64, so that a vertex is rounded once.
+type Matrix = [[f64; 4]; 4];
+
+const IDENTITY: Matrix =
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+fn multiply(a: &Matrix, b: &Matrix) -> Matrix {
+    b.map(|column| {
+        [0, 1, 2, 3].map(|row| {
+            a[0][row] * column[0]
+                + a[1][row] * column[1]
+                + a[2][row] * column[2]
+                + a[3][row] * column[3]
+        })
+    })
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "a mesh is f32: the nearest is meant")]
+fn transform(m: &Matrix, [x, y, z]: [f64; 3]) -> [f32; 3] {
+    [0, 1, 2].map(|row| (m[0][row] * x + m[1][row] * y + m[2][row] * z + m[3][row]) as f32)
+}
+
+fn determinant(m: &Matrix) -> f64 {
+    m[0][0] * (m[1][1] * m[2][2] - m[2][1] * m[1][2])
+        - m[1][0] * (m[0][1] * m[2][2] - m[2][1] * m[0][2])
+        + m[2][0] * (m[0][1] * m[1][2] - m[1][1] * m[0][2])
+}
