@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "divi")]
+    #[should_panic(expected = "must not be zero")]
     fn division_by_zero_panics() {
         Exact::scope(|| {
             let _ = Exact::from_f64(1.0) / Exact::from_f64(0.0);

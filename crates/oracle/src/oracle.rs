@@ -290,3 +290,85 @@ pub fn compare_t<E: Float>(
     let (first, second) = (Volumes::new(ray, first)?, Volumes::new(ray, second)?);
     first.order(&second)
 }
+
+#[cfg(test)]
+mod tests {
+    use trisect_core::Vec3;
+
+    use super::*;
+
+    /// A small generator, so that the cases are the same everywhere.
+    struct Draw(u64);
+
+    impl Draw {
+        /// Uniform in `[−1, 1)`.
+        fn number(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        fn point(&mut self) -> Vec3<f64> {
+            Vec3::new(self.number(), self.number(), self.number())
+        }
+
+        fn triangle(&mut self) -> Triangle<f64> {
+            Triangle { a: self.point(), b: self.point(), c: self.point() }
+        }
+
+        /// A ray aimed, but for rounding, at a point of edge AB.
+        fn at_edge(&mut self, triangle: &Triangle<f64>) -> Ray<f64> {
+            let target = triangle.a + (triangle.b - triangle.a).scale(self.number().abs());
+            let o = self.point();
+            Ray { o, d: target - o, tmin: 0.0, tmax: f64::INFINITY }
+        }
+    }
+
+    #[allow(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
+    fn narrow(v: Vec3<f64>) -> Vec3<f32> {
+        v.map(|x| x as f32)
+    }
+
+    /// Wrong classes among rays aimed at edges, of triangles with corners on a grid in the second
+    /// half so that many pass exactly through, and how often the exact path was taken.
+    fn wrong_near_edges(oracle: &mut Oracle) -> usize {
+        let mut draw = Draw(1);
+        let mut wrong = 0;
+        for i in 0..10_000 {
+            let mut triangle = draw.triangle();
+            let mut ray = draw.at_edge(&triangle);
+            if i % 2 == 1 {
+                let grid = |v: Vec3<f64>| v.map(|x| (x * 64.0).round() / 48.0);
+                triangle =
+                    Triangle { a: grid(triangle.a), b: grid(triangle.b), c: grid(triangle.c) };
+                let target = (triangle.a + triangle.b).scale(0.5);
+                ray.o = grid(ray.o);
+                ray.d = target - ray.o;
+            }
+            wrong += usize::from(oracle.classify(&ray, &triangle) != exact_class(&ray, &triangle));
+        }
+        wrong
+    }
+
+    #[test]
+    fn near_edges_the_bounds_send_to_the_exact_path_and_are_needed() {
+        let mut oracle = Oracle::default();
+        assert_eq!(wrong_near_edges(&mut oracle), 0);
+        assert!(oracle.exact() > oracle.tests() / 2, "{oracle:?}");
+        let wrong = wrong_near_edges(&mut Oracle::with_bounds_scaled(0.01));
+        assert!(wrong > 100, "bounds a hundredth as wide gave {wrong} wrong classes");
+    }
+
+    #[test]
+    fn f32_near_edges_is_right_and_seldom_exact() {
+        let mut oracle = Oracle::default();
+        let mut draw = Draw(2);
+        for _ in 0..10_000 {
+            let wide = draw.triangle();
+            let aimed = draw.at_edge(&wide);
+            let triangle = Triangle { a: narrow(wide.a), b: narrow(wide.b), c: narrow(wide.c) };
+            let ray = Ray { o: narrow(aimed.o), d: narrow(aimed.d), tmin: 0.0, tmax: 9.0 };
+            assert_eq!(oracle.classify(&ray, &triangle), exact_class(&ray, &triangle));
+        }
+        assert!(oracle.exact() < 100, "{oracle:?}");
+    }
+}
