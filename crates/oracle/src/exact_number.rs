@@ -193,7 +193,7 @@ mod tests {
             assert_eq!((x / y) * y, x);
             assert_eq!(x.reciprocal_estimate() * x, Exact::from_f64(1.0));
             assert_eq!((-x).abs(), x);
-            assert!(y < x && x > y && y <= y && x.ge(y));
+            assert!(y.lt(x) && x.gt(y) && x.le(x) && x.ge(y) && !x.lt(y));
             assert_eq!((x + y).to_f64(), 0.1);
         });
     }

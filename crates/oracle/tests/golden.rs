@@ -101,6 +101,12 @@ fn interval_is_closed() {
         let t = next::<E>(3.0, up);
         if is_tmin { at::<E>(t, 10.0) } else { at::<E>(0.0, t) }
     }
+    fn behind<E: Float>(tmin: f64) -> Class {
+        class::<E>(&ray([0.25, 0.25, 3.0], [0.0, 0.0, 1.0], tmin, 1e30), &unit())
+    }
+    fn on_plane<E: Float>(tmin: f64) -> Class {
+        class::<E>(&ray([0.25, 0.25, 0.0], [0.1, 0.0, 1.0], tmin, 1.0), &unit())
+    }
     both!(Class::Interior, at(3.0, 3.0));
     both!(Class::Interior, at(3.0, f64::INFINITY));
     both!(Class::Interior, at(f64::NEG_INFINITY, 3.0));
@@ -117,14 +123,8 @@ fn interval_is_closed() {
     both!(Class::NonFinite, at(f64::NAN, 5.0));
     both!(Class::NonFinite, at(0.0, f64::NAN));
 
-    fn behind<E: Float>(tmin: f64) -> Class {
-        class::<E>(&ray([0.25, 0.25, 3.0], [0.0, 0.0, 1.0], tmin, 1e30), &unit())
-    }
     both!(Class::OutOfInterval, behind(0.0));
     both!(Class::Interior, behind(-3.0));
-    fn on_plane<E: Float>(tmin: f64) -> Class {
-        class::<E>(&ray([0.25, 0.25, 0.0], [0.1, 0.0, 1.0], tmin, 1.0), &unit())
-    }
     both!(Class::Interior, on_plane(0.0));
     both!(Class::Interior, on_plane(-0.0));
     both!(Class::OutOfInterval, on_plane(1e-45));

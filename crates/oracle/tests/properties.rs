@@ -188,7 +188,7 @@ fn check<E: Float>(ray: &Ray<E>, triangle: &Triangle<E>) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 3000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn f32_agrees_with_naive_rationals(
