@@ -27,7 +27,7 @@ pub struct Workload {
 ///
 /// Each corner is uniform in the unit ball; each ray starts at one uniform point of the ball and
 /// passes through a second one at `t = 1`, with `t` in `[0, ∞]` and a direction of any length.
-/// Roughly one pair in fourteen hits.
+/// About one pair in ten hits (a million pairs of seed 42: 10.3 %).
 ///
 /// Deviation: this is a reconstruction. The papers' generators are not published, and their
 /// distribution and share of hits may differ.
