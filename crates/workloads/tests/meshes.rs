@@ -106,6 +106,7 @@ fn ply(vertices: &[&str], faces: &[&str]) -> String {
 const CORNERS: [&str; 4] = ["0 0 0", "1 0 0", "0 1 0", "1 1 0"];
 
 #[test]
+#[allow(clippy::too_many_lines, reason = "a table of cases")]
 fn wrong_text_files_say_what_where_and_what_mends_it() {
     use MeshFormat::{Obj, Ply, Stl};
     let v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
