@@ -102,8 +102,7 @@ impl MeshFormat {
 pub struct MeshError {
     /// The file as it was named by the caller.
     pub file: String,
-    /// What is wrong, where, and what mends it.
-    #[source]
+    /// What is wrong, where, and what mends it. Not a `source`: the message holds it already.
     pub problem: MeshProblem,
 }
 
