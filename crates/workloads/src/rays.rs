@@ -29,8 +29,7 @@ pub struct RaysFile {
 pub struct RaysError {
     /// The file as it was named by the caller.
     pub file: String,
-    /// What is wrong, where, and what mends it.
-    #[source]
+    /// What is wrong, where, and what mends it. Not a `source`: the message holds it already.
     pub problem: RaysProblem,
 }
 

@@ -8,14 +8,19 @@ use std::path::Path;
 
 use gltf::accessor::{DataType, Dimensions};
 use gltf::buffer::{Data, Source};
+use gltf::json::Root;
 use gltf::mesh::Mode;
-use gltf::{Accessor, Error, Gltf, Node, Primitive, Semantic};
+use gltf::{Accessor, Document, Error, Gltf, Node, Primitive, Semantic};
 
 use super::{Face, MeshProblem, Raw, Vertex};
 
 pub(super) fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Raw, MeshProblem> {
     check_length(bytes)?;
-    let Gltf { document, mut blob } = Gltf::from_slice(bytes).map_err(|error| problem(&error))?;
+    let Gltf { document, mut blob } =
+        Gltf::from_slice_without_validation(bytes).map_err(|error| problem(&error))?;
+    let root = document.into_json();
+    check_accessors(&root)?;
+    let document = Document::from_json(root).map_err(|error| problem(&error))?;
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let name = format!("buffer {}", buffer.index());
@@ -85,6 +90,27 @@ fn check_length(bytes: &[u8]) -> Result<(), MeshProblem> {
     } else {
         Ok(())
     }
+}
+
+/// The library's validation follows the accessors of a primitive before it looks whether they
+/// exist.
+fn check_accessors(root: &Root) -> Result<(), MeshProblem> {
+    let count = root.accessors.len();
+    for (mesh, primitives) in root.meshes.iter().map(|mesh| &mesh.primitives).enumerate() {
+        for (number, primitive) in primitives.iter().enumerate() {
+            let accessor = primitive.attributes.values().find(|index| index.value() >= count);
+            if let Some(accessor) = accessor {
+                return Err(MeshProblem::Malformed {
+                    place: format!("mesh {mesh} primitive {number}"),
+                    what: format!(
+                        "accessor {} is out of range, the document has {count}",
+                        accessor.value()
+                    ),
+                });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The library unwraps the text behind the percent signs of a path.
@@ -181,7 +207,7 @@ fn read_primitive(
                 .collect()
         }
     };
-    if indices.len() % 3 != 0 {
+    if !indices.len().is_multiple_of(3) {
         return Err(MeshProblem::Malformed {
             place: place.to_owned(),
             what: format!("{} corners are not a multiple of three", indices.len()),

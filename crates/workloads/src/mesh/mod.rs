@@ -102,8 +102,7 @@ impl MeshFormat {
 pub struct MeshError {
     /// The file as it was named by the caller.
     pub file: String,
-    /// What is wrong, where, and what mends it.
-    #[source]
+    /// What is wrong, where, and what mends it. Not a `source`: the message holds it already.
     pub problem: MeshProblem,
 }
 
@@ -228,10 +227,13 @@ fn coordinates<'a>(
 
 /// A text file, or the line that is not text.
 fn text(bytes: &[u8]) -> Result<&str, MeshProblem> {
-    str::from_utf8(bytes).map_err(|error| {
-        let line = 1 + bytes[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
-        malformed_line(line, "not text (UTF-8)")
-    })
+    str::from_utf8(bytes)
+        .map_err(|error| malformed_line(line_at(bytes, error.valid_up_to()), "not text (UTF-8)"))
+}
+
+/// The number of the line, from 1, that holds the byte at `offset`.
+fn line_at(bytes: &[u8], offset: usize) -> usize {
+    bytes[..offset].split(|&byte| byte == b'\n').count()
 }
 
 /// What a reader hands over: the file's vertices and faces, unchecked.

@@ -8,7 +8,7 @@ use ply_rs_bw::ply::{
     PropertyType, ScalarType,
 };
 
-use super::{Face, MeshProblem, Raw, Vertex, malformed_line};
+use super::{Face, MeshProblem, Raw, Vertex, line_at, malformed_line};
 
 /// The two names that exporters give to the list of a face's vertices.
 const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
@@ -21,10 +21,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
     check_header(&header, reader.get_ref().len())?;
     let mut payload = Payload {
         encoding: header.encoding,
-        line: bytes[..bytes.len() - reader.get_ref().len()]
-            .iter()
-            .filter(|&&byte| byte == b'\n')
-            .count(),
+        line: line_at(bytes, bytes.len() - reader.get_ref().len()) - 1,
         rest: reader.into_inner(),
     };
     let mut raw = Raw::default();
@@ -47,14 +44,13 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
 }
 
 fn header_problem(error: &ParseError) -> MeshProblem {
-    let what = error.to_string();
-    // The library goes on with the line and its grammar; its first line says what is wrong.
-    let what = what.lines().next().unwrap_or_default().to_owned();
     if error.kind() == std::io::ErrorKind::UnexpectedEof {
-        MeshProblem::Truncated { what }
-    } else {
-        MeshProblem::Malformed { place: "header".to_owned(), what }
+        return MeshProblem::Truncated { what: "the header has no `end_header`".to_owned() };
     }
+    // The library goes on with the line and its grammar; its first line says what is wrong.
+    let what = error.to_string();
+    let what = what.lines().next().unwrap_or_default().trim_end_matches('.').to_owned();
+    MeshProblem::Malformed { place: "header".to_owned(), what }
 }
 
 /// The header must promise a mesh, and no more elements than the file has bytes.
@@ -267,9 +263,6 @@ impl PropertyAccess for PlyFace {
         if !INDICES.contains(&name) {
             return PropertyAccessResult::Ignored;
         }
-        fn widen<T: Into<i64>>(list: Vec<T>) -> Vec<i64> {
-            list.into_iter().map(Into::into).collect()
-        }
         self.indices = match property {
             Property::ListChar(list) => widen(list),
             Property::ListUChar(list) => widen(list),
@@ -281,6 +274,10 @@ impl PropertyAccess for PlyFace {
         };
         PropertyAccessResult::Set
     }
+}
+
+fn widen<T: Into<i64>>(list: Vec<T>) -> Vec<i64> {
+    list.into_iter().map(Into::into).collect()
 }
 
 /// An element that a mesh has no use for.
