@@ -9,7 +9,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::format::power_of_ten;
+use crate::format::{power_of_ten, times_power_of_ten};
 use crate::theme::{Ink, finish_svg};
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -60,6 +60,8 @@ pub(crate) struct Axis {
     high: f64,
     /// Whether `low` stands for zero.
     floor: bool,
+    /// Ends of a stretch without values that is drawn short, with a break in the axis.
+    gap: Option<(f64, f64)>,
     write: fn(f64) -> String,
 }
 
@@ -99,7 +101,27 @@ impl Axis {
             Scale::Log => (low / 1.15, high * 1.15),
             Scale::Binary => (low / 1.3, high * 1.3),
         };
-        Self { name: name.into(), scale, low, high, floor, write }
+        Self { name: name.into(), scale, low, high, floor, gap: None, write }
+    }
+
+    /// The same logarithmic axis, broken where its values leave more than three decades empty,
+    /// so that what differs little within a cluster does not vanish.
+    pub(crate) fn broken(mut self, values: impl IntoIterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> =
+            values.into_iter().filter(|x| *x > 0.0 && x.is_finite()).collect();
+        sorted.sort_by(f64::total_cmp);
+        let widest = sorted
+            .windows(2)
+            .map(|w| (w[0], w[1]))
+            .max_by(|a, b| (a.1 / a.0).total_cmp(&(b.1 / b.0)));
+        if let (Some((below, above)), false) = (widest, self.floor)
+            && above / below > 1e3
+        {
+            self.low = sorted[0] / 1.6;
+            self.high = sorted[sorted.len() - 1] * 1.6;
+            self.gap = Some((below * 1.6, above / 1.6));
+        }
+        self
     }
 
     /// The same linear axis with air on both sides.
@@ -122,7 +144,22 @@ impl Axis {
     fn place(&self, x: f64) -> f64 {
         match self.scale {
             Scale::Linear => x.clamp(self.low, self.high),
-            Scale::Log | Scale::Binary => x.max(self.low).min(self.high).log10(),
+            Scale::Log | Scale::Binary => {
+                let x = x.max(self.low).min(self.high).log10();
+                let Some((from, to)) = self.gap.map(|(a, b)| (a.log10(), b.log10())) else {
+                    return x;
+                };
+                // The break takes a tenth of what the values take.
+                let values = self.high.log10() - self.low.log10() - (to - from);
+                let short = values / 10.0;
+                if x <= from {
+                    x
+                } else if x < to {
+                    from + (x - from) / (to - from) * short
+                } else {
+                    x - (to - from) + short
+                }
+            }
         }
     }
 
@@ -149,6 +186,17 @@ impl Axis {
             }
             Scale::Log => {
                 let (first, last) = (self.low.log10().floor(), self.high.log10().ceil());
+                if let Some((from, to)) = self.gap {
+                    let decades = self.high.log10() - self.low.log10() - (to / from).log10();
+                    let steps: &[f64] =
+                        if decades * 3.0 < count { &[1.0, 2.0, 5.0] } else { &[1.0] };
+                    return (first as i32..=last as i32)
+                        .flat_map(|e| steps.iter().map(move |s| s * 10f64.powi(e)))
+                        .filter(inside)
+                        .filter(|x| *x <= from || *x >= to)
+                        .map(|x| (x, times_power_of_ten(x)))
+                        .collect();
+                }
                 let decades = last - first;
                 if self.high / self.low <= 300.0 && !self.floor {
                     let steps: &[f64] = if self.high / self.low < 6.0 {
@@ -456,10 +504,20 @@ fn dashes(area: &Area, from: (i32, i32), to: i32, ink: Ink) -> Drawn {
     Ok(())
 }
 
+/// The edge of a break in an axis.
+fn dotted(area: &Area, from: (i32, i32), to: i32) -> Drawn {
+    let mut x = from.0;
+    while x < to {
+        line(area, (x, from.1), ((x + 2).min(to), from.1), Ink::Grid, 1)?;
+        x += 6;
+    }
+    Ok(())
+}
+
 fn mark(area: &Area, (x, y): (i32, i32), look: Look, filled: bool, r: i32) -> Drawn {
     let corners: Vec<(i32, i32)> = match look.shape {
         Shape::Circle => {
-            let r = r.unsigned_abs();
+            let r = r.unsigned_abs() + 1;
             // A rim of paper keeps points apart that lie on each other.
             area.draw(&Circle::new((x, y), r + 1, Ink::Paper.rgb().filled()))?;
             return if filled {
@@ -520,6 +578,16 @@ fn frame<'a>(
             text(root, &label, (left - 6, at), Ink::Muted, HPos::Right)?;
         }
         line(root, (left, top), (left, bottom), Ink::Muted, 1)?;
+        if let Some((from, to)) = y.gap {
+            let at = |v| grid.map_coordinate(&(x.range().start, y.place(v))).1;
+            let (low, high) = (at(from), at(to));
+            let back = [(left - 3, high + 4), (right, low - 4)];
+            root.draw(&Rectangle::new(back, Ink::Paper.rgb().filled()))?;
+            for edge in [high + 4, low - 4] {
+                line(root, (left - 6, edge + 3), (left + 6, edge - 3), Ink::Muted, 1)?;
+                dotted(root, (left + 8, edge), right)?;
+            }
+        }
     }
     line(root, (left, bottom), (right, bottom), Ink::Muted, 1)?;
     Ok(grid)

@@ -7,7 +7,7 @@ use trisect_harness::record::{Family, Variant};
 use crate::chart::{
     Axis, Drawing, Entry, Group, Join, Look, Mark, Panel, Plane, Row, Rows, Scale, Series, Shape,
 };
-use crate::format::{bytes, mtests, number, or_dash, ratio};
+use crate::format::{bytes, mtests, number, or_dash, ratio, tick};
 use crate::stats::geometric_mean;
 use crate::summary;
 use crate::theme::Ink;
@@ -78,7 +78,8 @@ fn pareto(view: &View) -> Figure {
          median over rounds. Up, the median relative error of t against exact arithmetic. \
          Filled points are single precision, hollow points double. The stepped line is the \
          Pareto front: for the variants on it, none is both faster and more accurate. The dashed \
-         line is the error of the usual reference, Möller–Trumbore in double precision.",
+         line is the error of the usual reference, Möller–Trumbore in double precision. The \
+         vertical axis is cut where there is no point over more than three decades.",
         on(&plane.workloads)
     );
     let drawing = if view.throughput.is_empty() {
@@ -127,16 +128,14 @@ fn pareto_drawing(view: &View, plane: &summary::Plane, reference: &[f64]) -> Dra
         format!("{}  {}, {}, {}", i + 1, view.title(&v.method), lanes_label(v), v.division)
     });
     let points = &plane.points;
+    let errors: Vec<f64> =
+        points.iter().map(|p| p.error).chain(reference.iter().copied()).collect();
     Drawing {
         panels: vec![Panel::Plane(Plane {
             title: String::new(),
-            x: Axis::over("ns per test", Scale::Log, points.iter().map(|p| p.ns_per_test), number),
-            y: Axis::over(
-                "median relative error of t",
-                Scale::Log,
-                points.iter().map(|p| p.error).chain(reference.iter().copied()),
-                number,
-            ),
+            x: Axis::over("ns per test", Scale::Log, points.iter().map(|p| p.ns_per_test), tick),
+            y: Axis::over("median relative error of t", Scale::Log, errors.clone(), tick)
+                .broken(errors),
             height: 380,
             series,
             rules: reference.iter().map(|&y| (y, "f64 Möller–Trumbore".into())).collect(),
@@ -232,7 +231,7 @@ fn throughput(view: &View) -> Figure {
         let shown = values(&panels);
         let draw = |(precision, groups): (String, Vec<Group>)| {
             let axis = shown.iter().copied().chain([0.0]);
-            let axis = Axis::over("million tests per second", Scale::Linear, axis, number);
+            let axis = Axis::over("million tests per second", Scale::Linear, axis, tick);
             Panel::Rows(Rows::new(&precision_title(&precision), axis, None, groups))
         };
         Ok(Drawing { panels: panels.into_iter().map(draw).collect(), ..Drawing::default() })
@@ -293,7 +292,7 @@ fn error(view: &View) -> Figure {
             .into_iter()
             .map(|panel| {
                 let shown = values(std::slice::from_ref(&panel));
-                let axis = Axis::over("relative error", Scale::Log, shown, number);
+                let axis = Axis::over("relative error", Scale::Log, shown, tick);
                 Panel::Rows(Rows::new(&precision_title(&panel.0), axis, None, panel.1))
             })
             .collect();
@@ -454,7 +453,7 @@ fn lines_drawing(
     let points = || series.iter().flat_map(|s| s.points.iter());
     let across = Axis::over(x.0, x.1, points().map(|p| p.0), x.2);
     let up = points().map(|p| p.1 * 1.05).chain([0.0]);
-    let y = Axis::over("million tests per second", Scale::Linear, up, number);
+    let y = Axis::over("million tests per second", Scale::Linear, up, tick);
     let plane = Plane {
         title: String::new(),
         x: across,
@@ -468,7 +467,7 @@ fn lines_drawing(
 }
 
 fn percent(x: f64) -> String {
-    format!("{} %", number((x * 10.0).round() / 10.0))
+    format!("{} %", tick((x * 10.0).round() / 10.0))
 }
 
 fn hit_rate(view: &View) -> Figure {

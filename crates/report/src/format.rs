@@ -31,6 +31,16 @@ pub(crate) fn number(x: f64) -> String {
     }
 }
 
+/// A number without zeros that say nothing, for ticks of axes.
+pub(crate) fn tick(x: f64) -> String {
+    let text = number(x);
+    if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').into()
+    } else {
+        text
+    }
+}
+
 /// One digit after the point, and an exponent.
 pub(crate) fn scientific(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
@@ -75,6 +85,17 @@ pub(crate) fn power_of_ten(exponent: i32) -> String {
         _ => '⁰',
     });
     format!("10{}", digits.collect::<String>())
+}
+
+/// A multiple of a power of ten as it is set in print, for ticks of axes.
+#[expect(clippy::cast_possible_truncation, reason = "exponents of finite floats")]
+pub(crate) fn times_power_of_ten(x: f64) -> String {
+    let exponent = (x.log10() + 1e-9).floor();
+    let factor = x / 10f64.powf(exponent);
+    if (factor - 1.0).abs() < 1e-6 {
+        return power_of_ten(exponent as i32);
+    }
+    format!("{}·{}", tick(factor), power_of_ten(exponent as i32))
 }
 
 /// A value that may be missing.
