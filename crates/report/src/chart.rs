@@ -10,6 +10,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use crate::format::{power_of_ten, times_power_of_ten};
+use crate::text::cut;
 use crate::theme::{Ink, finish_svg};
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -168,7 +169,11 @@ impl Axis {
     }
 
     /// At most `count` values with their labels, smallest first.
-    #[expect(clippy::cast_possible_truncation, reason = "exponents of finite floats")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "exponents of finite floats, and steps of at least 1"
+    )]
     fn ticks(&self, count: i32) -> Vec<(f64, String)> {
         let count = f64::from(count.max(2));
         let inside =
@@ -322,8 +327,8 @@ pub(crate) struct Plane {
     pub(crate) y: Axis,
     pub(crate) height: i32,
     pub(crate) series: Vec<Series>,
-    /// Horizontal lines, with what they stand for.
-    pub(crate) rules: Vec<(f64, String)>,
+    /// Dashed lines across; the legend says what they stand for.
+    pub(crate) rules: Vec<f64>,
     /// Texts beside points.
     pub(crate) labels: Vec<(f64, f64, String)>,
 }
@@ -334,10 +339,18 @@ pub(crate) enum Panel {
     Plane(Plane),
 }
 
+/// What an entry of a legend explains.
+pub(crate) enum Sample {
+    Point(Look, bool),
+    /// A rule across a plane.
+    Dashes,
+    /// A line without points.
+    Line(Ink),
+}
+
 /// An entry of a legend.
 pub(crate) struct Entry {
-    pub(crate) look: Look,
-    pub(crate) filled: bool,
+    pub(crate) sample: Sample,
     pub(crate) text: String,
 }
 
@@ -376,11 +389,17 @@ impl Rows {
     }
 }
 
+impl Plane {
+    fn title_height(&self) -> i32 {
+        if self.title.is_empty() { 6 } else { TITLE }
+    }
+}
+
 impl Panel {
     fn height(&self) -> i32 {
         match self {
             Self::Rows(rows) => rows.height(),
-            Self::Plane(plane) => TITLE + plane.height + AXIS,
+            Self::Plane(plane) => plane.title_height() + plane.height + AXIS,
         }
     }
 }
@@ -405,7 +424,8 @@ pub(crate) fn draw(
     let legend = legend_places(&drawing.legend, width);
     let legend_height = legend.last().map_or(0, |(_, y)| y + LEGEND + 6);
     let key_columns = if layout == Layout::Wide && drawing.key.len() > 2 { 2 } else { 1 };
-    let key_rows = px(drawing.key.len()).div_ceil_by(key_columns);
+    let key_rows = px(drawing.key.len().div_ceil(key_columns));
+    let key_columns = px(key_columns);
     let key_height = if key_rows > 0 { key_rows * ROW + 8 } else { 0 };
     let height = legend_height + lines.iter().map(|l| line_height(l)).sum::<i32>() + key_height + 4;
 
@@ -416,7 +436,12 @@ pub(crate) fn draw(
         (|| -> Drawn {
             root.draw(&Rectangle::new([(0, 0), (width, height)], Ink::Paper.rgb().filled()))?;
             for (entry, &(x, y)) in drawing.legend.iter().zip(&legend) {
-                mark(&root, (x + 7, y + LEGEND / 2), entry.look, entry.filled, 5)?;
+                let middle = y + LEGEND / 2;
+                match entry.sample {
+                    Sample::Point(look, filled) => mark(&root, (x + 7, middle), look, filled, 5)?,
+                    Sample::Dashes => dashes(&root, (x, middle), x + 14, Ink::Text)?,
+                    Sample::Line(ink) => line(&root, (x, middle), (x + 14, middle), ink, 2)?,
+                }
                 text(&root, &entry.text, (x + 18, y + LEGEND / 2), Ink::Text, HPos::Left)?;
             }
             let mut top = legend_height;
@@ -434,24 +459,14 @@ pub(crate) fn draw(
             for (i, sentence) in drawing.key.iter().enumerate() {
                 let (column, row) = (px(i) / key_rows.max(1), px(i) % key_rows.max(1));
                 let at = (8 + column * width / key_columns, top + row * ROW + ROW / 2);
-                text(&root, sentence, at, Ink::Text, HPos::Left)?;
+                let room = usize::try_from((width / key_columns - 12) * 100 / (TEXT * 56));
+                text(&root, &cut(sentence, room.unwrap_or(0)), at, Ink::Text, HPos::Left)?;
             }
             root.present()
         })()
     };
     drawn.map_err(|e| DrawError { figure: name.into(), message: e.to_string() })?;
     Ok(finish_svg(&svg, name, title, description))
-}
-
-/// Integer division that rounds up.
-trait DivCeilBy {
-    fn div_ceil_by(self, by: i32) -> i32;
-}
-
-impl DivCeilBy for i32 {
-    fn div_ceil_by(self, by: i32) -> i32 {
-        (self + by - 1) / by
-    }
 }
 
 /// Where legend entries stand: in lines, broken where the next does not fit.
@@ -596,7 +611,7 @@ fn frame<'a>(
 fn draw_rows(root: &Area, rows: &Rows, panel: Place) -> Drawn {
     let labels = rows.groups.iter().flat_map(|g| &g.rows).map(|r| text_width(&r.label, TEXT));
     let left = panel.left + 14 + labels.max().unwrap_or(0).min((panel.right - panel.left) / 2);
-    let right = panel.right - 16;
+    let right = panel.right - 20;
     let top = panel.top + TITLE - 4;
     let bottom = panel.top + rows.height() - AXIS;
     let grid = frame(root, &rows.title, &rows.axis, None, (left, right, top, bottom), panel)?;
@@ -644,21 +659,20 @@ fn draw_rows(root: &Area, rows: &Rows, panel: Place) -> Drawn {
 }
 
 fn draw_plane(root: &Area, plane: &Plane, panel: Place) -> Drawn {
-    let top = panel.top + TITLE + 16;
-    let bottom = panel.top + TITLE + plane.height;
+    let top = panel.top + plane.title_height() + 16;
+    let bottom = panel.top + plane.title_height() + plane.height;
     let labels = plane.y.ticks((bottom - top) / 34);
     let widest = labels.iter().map(|(_, l)| text_width(l, TEXT)).max().unwrap_or(0);
-    let (left, right) = (panel.left + 14 + widest, panel.right - 16);
+    let (left, right) = (panel.left + 14 + widest, panel.right - 24);
     let grid =
         frame(root, &plane.title, &plane.x, Some(&plane.y), (left, right, top, bottom), panel)?;
     // The name of the vertical axis stands above it, upright: nobody turns a screen.
     text(root, &plane.y.name, (panel.left + 4, top - 12), Ink::Muted, HPos::Left)?;
     let at = |&(x, y): &(f64, f64)| grid.map_coordinate(&(plane.x.place(x), plane.y.place(y)));
 
-    for (y, what) in &plane.rules {
-        let (_, y) = at(&(plane.x.low, *y));
+    for rule in &plane.rules {
+        let (_, y) = at(&(plane.x.low, *rule));
         dashes(root, (left, y), right, Ink::Text)?;
-        text(root, what, (right - 2, y - 9), Ink::Text, HPos::Right)?;
     }
     for s in &plane.series {
         let places: Vec<(i32, i32)> = s.points.iter().map(at).collect();

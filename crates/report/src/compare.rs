@@ -1,14 +1,13 @@
 //! Two records beside each other.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
 use serde::Serialize;
 use trisect_harness::record::{Header, Records, Variant};
 
 use crate::format::{ratio, scientific};
 use crate::stats::geometric_mean;
-use crate::text::wrap;
+use crate::text::{hang, wrap};
 use crate::view::{View, finish_label, lanes_label};
 
 /// Two records beside each other: `b` measured against `a`.
@@ -162,17 +161,17 @@ impl Comparison {
         }
         for v in &self.variants {
             let line = format!(
-                "{:>6} {} {}, {}, {}",
-                ratio(v.geometric_mean),
+                "{} {}, {}, {}",
                 v.variant.method,
                 lanes_label(&v.variant),
                 v.variant.needs,
                 finish_label(&v.variant)
             );
-            let _ = write!(out, " {}", wrap(&line, width.saturating_sub(1), "        "));
+            let head = format!("{:>6} ", ratio(v.geometric_mean));
+            out.push_str(&hang(&head, &line, width, "       "));
         }
         let line = format!(
-            "\nErrors in both: {}; different: {}.",
+            "Errors in both: {}; different: {}.",
             self.errors_compared,
             self.errors_that_differ.len()
         );
@@ -192,7 +191,7 @@ impl Comparison {
                 scientific(e.max_a),
                 scientific(e.max_b)
             );
-            let _ = write!(out, "  {}", wrap(&line, width.saturating_sub(2), "    "));
+            out.push_str(&hang("  ", &line, width, "    "));
         }
         out
     }

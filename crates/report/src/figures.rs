@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use trisect_harness::record::{Family, Variant};
 
 use crate::chart::{
-    Axis, Drawing, Entry, Group, Join, Look, Mark, Panel, Plane, Row, Rows, Scale, Series, Shape,
+    Axis, Drawing, Entry, Group, Join, Look, Mark, Panel, Plane, Row, Rows, Sample, Scale, Series,
+    Shape,
 };
 use crate::format::{bytes, mtests, number, or_dash, ratio, tick};
 use crate::stats::geometric_mean;
@@ -119,8 +120,19 @@ fn pareto_drawing(view: &View, plane: &summary::Plane, reference: &[f64]) -> Dra
             series.push(Series { look, filled, join: Join::No, marked: true, points });
         }
         if found {
-            legend.push(Entry { look, filled: true, text: view.title(method) });
+            legend.push(Entry { sample: Sample::Point(look, true), text: view.title(method) });
         }
+    }
+    for (precision, filled) in [("f32", true), ("f64", false)] {
+        if plane.points.iter().any(|p| p.variant.precision == precision) {
+            let look = Look { ink: Ink::Muted, shape: Shape::Circle };
+            legend.push(Entry { sample: Sample::Point(look, filled), text: precision.into() });
+        }
+    }
+    legend.push(Entry { sample: Sample::Line(Ink::Muted), text: "Pareto front".into() });
+    if !reference.is_empty() {
+        let text = "error of f64 Möller–Trumbore".into();
+        legend.push(Entry { sample: Sample::Dashes, text });
     }
     let labels = front.iter().enumerate().map(|(i, &(x, y))| (x, y, (i + 1).to_string()));
     let key = plane.front.iter().enumerate().map(|(i, &p)| {
@@ -138,7 +150,7 @@ fn pareto_drawing(view: &View, plane: &summary::Plane, reference: &[f64]) -> Dra
                 .broken(errors),
             height: 380,
             series,
-            rules: reference.iter().map(|&y| (y, "f64 Möller–Trumbore".into())).collect(),
+            rules: reference.to_vec(),
             labels: labels.collect(),
         })],
         legend,
@@ -433,7 +445,7 @@ fn series_lines(
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let look = look(view, method);
-        legend.push(Entry { look, filled: true, text: view.title(method) });
+        legend.push(Entry { sample: Sample::Point(look, true), text: view.title(method) });
         lines.push(Series { look, filled: true, join: Join::Straight, marked: true, points });
         said.push(format!(
             "{}: {}, {}",

@@ -23,7 +23,7 @@ pub(crate) fn number(x: f64) -> String {
     let rounded = || grouped(size.round() as u64);
     match size {
         0.0 => "0".into(),
-        s if s >= 1e15 || s < 1e-3 => scientific(x),
+        s if !(1e-3..1e15).contains(&s) => scientific(x),
         s if s >= 99.95 => format!("{}{}", if x < 0.0 { "-" } else { "" }, rounded()),
         s if s >= 9.995 => format!("{x:.1}"),
         s if s >= 0.9995 => format!("{x:.2}"),

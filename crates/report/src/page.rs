@@ -284,7 +284,7 @@ fn winners(view: &View, summary: &Summary) -> Vec<WinnerText> {
 fn front(view: &View, summary: &Summary) -> Vec<FrontText> {
     let said = |p: &crate::FrontPoint| FrontText {
         method: view.title(&p.variant.method),
-        variant: format!("{}, {} division", lanes_label(&p.variant), p.variant.division),
+        variant: format!("{}, {}", lanes_label(&p.variant), p.variant.division),
         ns: number(p.ns_per_test),
         error: scientific(p.error),
     };

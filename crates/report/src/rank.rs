@@ -7,7 +7,7 @@ use trisect_harness::record::{Records, Variant};
 
 use crate::format::{mtests, number, ratio};
 use crate::stats::geometric_mean;
-use crate::text::{Table, wrap};
+use crate::text::{hang, wrap};
 use crate::view::{View, finish_label, lanes_label};
 
 /// Which variants and workloads to rank; `None` asks for all.
@@ -95,19 +95,20 @@ impl Ranking {
         }
         out.push('\n');
         for (place, e) in self.entries.iter().enumerate() {
-            let mut table = Table::new(&["", ""]);
-            table.head = vec![
-                format!("{:>4} {} {}", place + 1, e.variant.method, lanes_label(&e.variant)),
-                format!("{:>8} {:>8} M/s", ratio(e.ratio), number(e.million_tests_per_second)),
-            ];
-            let pad = width.min(80).saturating_sub(table.head[1].chars().count() + 1);
-            table.head[0] = format!("{:<pad$}", table.head[0]);
-            out.push_str(&table.render(width));
-            out.push_str(&wrap(
-                &format!("     {}, {}", e.variant.needs, finish_label(&e.variant)),
-                width,
-                "     ",
-            ));
+            let head = format!(
+                "{:>4} {:>6} {:>6} M/s  ",
+                place + 1,
+                ratio(e.ratio),
+                number(e.million_tests_per_second)
+            );
+            let line = format!(
+                "{} {}, {}, {}",
+                e.variant.method,
+                lanes_label(&e.variant),
+                e.variant.needs,
+                finish_label(&e.variant)
+            );
+            out.push_str(&hang(&head, &line, width, "       "));
         }
         out
     }

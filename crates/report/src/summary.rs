@@ -7,7 +7,7 @@ use trisect_harness::record::{Header, Quantiles, Records, Variant};
 
 use crate::format::{mtests, number, or_dash, ratio, scientific};
 use crate::stats::pareto_front;
-use crate::text::{Table, cut, wrap};
+use crate::text::{Table, cut, hang, wrap};
 use crate::view::{BASELINE, View, finish_label, lanes_label, need_in_prose};
 
 /// The outcome of a measurement in a screenful.
@@ -221,7 +221,7 @@ impl Summary {
             if let Some(x) = w.over_scalar_moller_trumbore {
                 let _ = write!(speed, ", {} scalar Möller–Trumbore", ratio(x));
             }
-            let _ = write!(out, "  {}", wrap(&speed, width.saturating_sub(2), "  "));
+            out.push_str(&hang("  ", &speed, width, "  "));
         }
         if !self.methods.is_empty() {
             out.push('\n');

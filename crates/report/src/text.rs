@@ -24,14 +24,21 @@ pub(crate) fn cut(text: &str, width: usize) -> String {
 
 /// Breaks a text at spaces.
 pub(crate) fn wrap(text: &str, width: usize, indent: &str) -> String {
-    let mut out = String::new();
-    let mut used = 0;
-    for word in text.split_whitespace() {
-        if used > 0 && used + 1 + columns(word) > width {
+    hang("", text, width, indent)
+}
+
+/// A head that keeps its spaces, then words that break before `width` and go on indented.
+pub(crate) fn hang(head: &str, text: &str, width: usize, indent: &str) -> String {
+    let mut out = head.to_string();
+    let mut used = columns(head);
+    for (i, word) in text.split_whitespace().enumerate() {
+        let space = usize::from(i > 0);
+        if used > columns(indent) && used + space + columns(word) > width {
+            out.truncate(out.trim_end_matches(' ').len());
             out.push('\n');
             out.push_str(indent);
             used = columns(indent);
-        } else if used > 0 {
+        } else if space > 0 {
             out.push(' ');
             used += 1;
         }

@@ -22,15 +22,16 @@ pub(crate) enum Ink {
 
 /// Series colours: Okabe and Ito's palette, whose colours stay apart for colour-blind readers
 /// (M. Okabe and K. Ito, "Color Universal Design", 2008). Its yellow vanishes on white and its
-/// dark blue on black, so each takes the other's place, and grey stands for its black.
+/// dark blue on black, so each takes the other's place, and grey stands
+/// for its black. Two are a shade off, because a colour must name one ink.
 const SERIES: [(u32, u32); 7] = [
-    (0x0072_B2, 0x56B4_E9),
-    (0xD55E_00, 0xE869_0B),
-    (0x009E_73, 0x00B3_83),
-    (0xCC79_A7, 0xD98A_B6),
-    (0xE69F_00, 0xE69F_01),
-    (0x56B4_E8, 0xF0E4_42),
-    (0x6B6B_6B, 0xB4B4_B4),
+    (0x0000_72B2, 0x0056_B4E9),
+    (0x00D5_5E00, 0x00E8_690B),
+    (0x0000_9E73, 0x0000_B383),
+    (0x00CC_79A7, 0x00D9_8AB6),
+    (0x00E6_9F00, 0x00E6_9F01),
+    (0x0056_B4E8, 0x00F0_E442),
+    (0x006B_6B6B, 0x00B4_B4B4),
 ];
 
 impl Ink {

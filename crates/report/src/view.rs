@@ -40,7 +40,7 @@ pub(crate) fn lanes_label(v: &Variant) -> String {
 pub(crate) fn finish_label(v: &Variant) -> String {
     let newton = if v.reciprocal == "newton" { ", Newton reciprocal" } else { "" };
     let exit = if v.early_out { "early-out" } else { "no early-out" };
-    format!("{}, {} division{newton}, {exit}", v.arrangement, v.division)
+    format!("{}, {}{newton}, {exit}", v.arrangement, v.division)
 }
 
 /// Variants on the workloads that all of them ran.
