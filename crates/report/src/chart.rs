@@ -125,6 +125,10 @@ impl Axis {
         self
     }
 
+    pub(crate) fn is_broken(&self) -> bool {
+        self.gap.is_some()
+    }
+
     /// The same linear axis with air on both sides.
     pub(crate) fn with_margin(mut self) -> Self {
         let air = (self.high - self.low) * 0.06;
@@ -459,7 +463,7 @@ pub(crate) fn draw(
             for (i, sentence) in drawing.key.iter().enumerate() {
                 let (column, row) = (px(i) / key_rows.max(1), px(i) % key_rows.max(1));
                 let at = (8 + column * width / key_columns, top + row * ROW + ROW / 2);
-                let room = usize::try_from((width / key_columns - 12) * 100 / (TEXT * 56));
+                let room = usize::try_from((width / key_columns - 12) * 100 / (TEXT * 53));
                 text(&root, &cut(sentence, room.unwrap_or(0)), at, Ink::Text, HPos::Left)?;
             }
             root.present()

@@ -72,17 +72,28 @@ fn pareto(view: &View) -> Figure {
         .map(|q| q.median)
         .into_iter()
         .collect();
-    let caption = format!(
+    let mut caption = format!(
         "Each point is one variant: a method in one precision, width, arithmetic and form of \
          division, in its fastest arrangement and with or without early-out, whichever is \
          faster. Across, nanoseconds per test when asked for {need}: geometric mean {} of the \
-         median over rounds. Up, the median relative error of t against exact arithmetic. \
-         Filled points are single precision, hollow points double. The stepped line is the \
-         Pareto front: for the variants on it, none is both faster and more accurate. The dashed \
-         line is the error of the usual reference, Möller–Trumbore in double precision. The \
-         vertical axis is cut where there is no point over more than three decades.",
+         median over rounds. Up, the median relative error of t against exact arithmetic. The \
+         stepped line is the Pareto front: for a variant on it, none is both faster and more \
+         accurate.",
         on(&plane.workloads)
     );
+    if !reference.is_empty() {
+        caption.push_str(
+            " The dashed line is the error of the usual reference, Möller–Trumbore in double \
+             precision.",
+        );
+    }
+    let errors: Vec<f64> =
+        plane.points.iter().map(|p| p.error).chain(reference.iter().copied()).collect();
+    let up =
+        Axis::over("median relative error of t", Scale::Log, errors.clone(), tick).broken(errors);
+    if up.is_broken() {
+        caption.push_str(" The vertical axis is cut where no point lies over three decades.");
+    }
     let drawing = if view.throughput.is_empty() {
         Err(nothing_timed())
     } else if plane.points.is_empty() {
@@ -90,12 +101,12 @@ fn pareto(view: &View) -> Figure {
              it times."
             .into())
     } else {
-        Ok(pareto_drawing(view, &plane, &reference))
+        Ok(pareto_drawing(view, &plane, &reference, up))
     };
     Figure { name: "error-against-time", title: "Error against run time", caption, drawing }
 }
 
-fn pareto_drawing(view: &View, plane: &summary::Plane, reference: &[f64]) -> Drawing {
+fn pareto_drawing(view: &View, plane: &summary::Plane, reference: &[f64], up: Axis) -> Drawing {
     let at = |i: &usize| (plane.points[*i].ns_per_test, plane.points[*i].error);
     let front: Vec<(f64, f64)> = plane.front.iter().map(at).collect();
     let mut series = vec![Series {
@@ -140,14 +151,11 @@ fn pareto_drawing(view: &View, plane: &summary::Plane, reference: &[f64]) -> Dra
         format!("{}  {}, {}, {}", i + 1, view.title(&v.method), lanes_label(v), v.division)
     });
     let points = &plane.points;
-    let errors: Vec<f64> =
-        points.iter().map(|p| p.error).chain(reference.iter().copied()).collect();
     Drawing {
         panels: vec![Panel::Plane(Plane {
             title: String::new(),
             x: Axis::over("ns per test", Scale::Log, points.iter().map(|p| p.ns_per_test), tick),
-            y: Axis::over("median relative error of t", Scale::Log, errors.clone(), tick)
-                .broken(errors),
+            y: up,
             height: 380,
             series,
             rules: reference.to_vec(),

@@ -45,6 +45,40 @@ fn widest(text: &str) -> usize {
     text.lines().map(|l| l.chars().count()).max().unwrap_or(0)
 }
 
+/// A page to look at with as many methods as a full study has: figures grow, nothing breaks.
+#[test]
+fn thirty_methods() {
+    let mut records = synthetic::records(1);
+    let one = std::mem::take(&mut records.lines);
+    for i in 0..30 {
+        let rename = |method: &mut String| *method = format!("method-{i}");
+        for mut line in one.iter().cloned() {
+            match &mut line {
+                Record::Method(m) => {
+                    rename(&mut m.name);
+                    m.title = format!("Method {i} of Somebody and Somebody Else");
+                }
+                Record::Throughput(t) => {
+                    rename(&mut t.variant.method);
+                    t.samples_ns.iter_mut().for_each(|ns| *ns = *ns * (40 + i) / 50);
+                }
+                Record::Error(e) => {
+                    rename(&mut e.variant.method);
+                    e.relative.median *= 50.0 / (i as f64 * 1.5 + 40.0);
+                }
+                Record::Decisions(d) => rename(&mut d.variant.method),
+                Record::Preparation(p) => rename(&mut p.method),
+                _ => {}
+            }
+            if i == 0 || !matches!(line, Record::Workload(_) | Record::Agreement(_)) {
+                records.lines.push(line);
+            }
+        }
+    }
+    page(&records, "thirty");
+    well_formed("thirty");
+}
+
 /// Small records for snapshots: two methods, one need.
 fn small() -> Records {
     let mut records = synthetic::records(2);
