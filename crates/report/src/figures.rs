@@ -67,8 +67,8 @@ fn pareto(view: &View) -> Figure {
     let plane = summary::plane(view);
     let need = view.main_need().map(need_in_prose).unwrap_or_default();
     let reference: Vec<f64> = view
-        .pooled_error("t", |v| v.method == BASELINE && v.precision == "f64" && v.width == 1)
-        .or_else(|| view.pooled_error("t", |v| v.method == BASELINE && v.precision == "f64"))
+        .pooled_error((BASELINE, "f64"), "t", |v| v.width == 1)
+        .or_else(|| view.pooled_error((BASELINE, "f64"), "t", |_| true))
         .map(|q| q.median)
         .into_iter()
         .collect();
@@ -117,7 +117,7 @@ fn pareto_drawing(view: &View, plane: &summary::Plane, reference: &[f64], up: Ax
         points: front.clone(),
     }];
     let mut legend = Vec::new();
-    for method in view.methods() {
+    for &method in view.methods() {
         let look = look(view, method);
         let mut found = false;
         for (precision, filled) in [("f64", false), ("f32", true)] {
@@ -191,7 +191,7 @@ fn rows_by_lanes(
     let mut panels = Vec::new();
     for precision in view.precisions() {
         let mut groups = Vec::new();
-        for method in view.methods() {
+        for &method in view.methods() {
             let rows: Vec<Row> = lanes(view, precision)
                 .into_iter()
                 .filter_map(|(width, set)| {
@@ -276,12 +276,11 @@ fn error(view: &View) -> Figure {
     let mut panels = Vec::new();
     for precision in view.precisions() {
         let mut groups = Vec::new();
-        for method in view.methods() {
+        for &method in view.methods() {
             let rows: Vec<Row> = symbols
                 .iter()
                 .filter_map(|&(quantity, label, shape)| {
-                    let is = |v: &Variant| v.method == method && v.precision == precision;
-                    let q = view.pooled_error(quantity, is)?;
+                    let q = view.pooled_error((method, precision), quantity, |_| true)?;
                     let point = |at, filled| Mark::Point { at, shape, filled };
                     let marks = vec![
                         Mark::Span(q.median, q.max),
@@ -436,7 +435,7 @@ fn series_lines(
 ) -> (Vec<Entry>, Vec<Series>, Vec<String>) {
     let names: Vec<&str> = view.family(family).iter().map(|w| w.name.as_str()).collect();
     let (mut legend, mut lines, mut said) = (Vec::new(), Vec::new(), Vec::new());
-    for method in view.methods() {
+    for &method in view.methods() {
         let fastest = view.precisions().into_iter().find_map(|precision| {
             let keep = |v: &Variant| {
                 Some(v.needs.as_str()) == view.main_need()
@@ -538,7 +537,7 @@ fn working_set(view: &View) -> Figure {
 /// Preparation time and bytes of each method and precision: a table is their best figure.
 pub(crate) fn preparation(view: &View) -> Vec<[String; 4]> {
     let mut rows = Vec::new();
-    for method in view.methods() {
+    for &method in view.methods() {
         for precision in view.precisions() {
             let (ns, size) = (view.preparation(method, precision), view.bytes(method, precision));
             if ns.is_some() {

@@ -340,10 +340,8 @@ fn variants(view: &View) -> Vec<VariantRow> {
 
 /// Wrong decisions of a variant; needs, arrangement and width do not change them.
 fn wrong(view: &View, variant: &trisect_harness::record::Variant) -> Option<f64> {
-    view.wrong_per_million(|v| {
-        v.method == variant.method
-            && v.precision == variant.precision
-            && v.arithmetic == variant.arithmetic
+    view.wrong_per_million((&variant.method, &variant.precision), |v| {
+        v.arithmetic == variant.arithmetic
             && v.division == variant.division
             && v.reciprocal == variant.reciprocal
     })

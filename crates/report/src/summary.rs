@@ -130,8 +130,8 @@ pub(crate) fn of_view(view: &View) -> Summary {
     let scores = main.unwrap_or_default();
     let methods = view
         .methods()
-        .into_iter()
-        .map(|method| MethodRow {
+        .iter()
+        .map(|&method| MethodRow {
             method: method.into(),
             year: view.fact(method).map(|m| m.year),
             precisions: view
@@ -180,8 +180,8 @@ fn precision_row(
         bytes_per_triangle: view.bytes(method, precision),
         fastest: fastest.map(|(v, _)| (*v).clone()),
         million_tests_per_second: fastest.map(|&(_, ns)| mtests(ns)),
-        error_of_t: view.pooled_error("t", mine),
-        wrong_per_million: view.wrong_per_million(mine),
+        error_of_t: view.pooled_error((method, precision), "t", |_| true),
+        wrong_per_million: view.wrong_per_million((method, precision), |_| true),
         preparation_ns: view.preparation(method, precision),
     }
 }

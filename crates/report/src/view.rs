@@ -1,6 +1,6 @@
 //! An index over records: what every table and figure asks of them, answered once.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use trisect_harness::record::{
     Agreement, Decisions, Error, Family, Header, MethodFacts, Preparation, Quantiles, Record,
@@ -73,7 +73,12 @@ pub(crate) struct View<'a> {
     pub(crate) facts: Vec<&'a MethodFacts>,
     pub(crate) throughput: BTreeMap<&'a Variant, BTreeMap<&'a str, &'a Throughput>>,
     pub(crate) errors: Vec<&'a Error>,
-    pub(crate) decisions: Vec<&'a Decisions>,
+    /// Errors against the oracle on main workloads, by method, precision and quantity.
+    against_oracle: HashMap<(&'a str, &'a str, &'a str), Vec<&'a Error>>,
+    /// By method and precision.
+    decisions: HashMap<(&'a str, &'a str), Vec<&'a Decisions>>,
+    /// Names of all methods that any record names, by year, then name.
+    methods: Vec<&'a str>,
     pub(crate) preparations: Vec<&'a Preparation>,
     pub(crate) agreements: Vec<&'a Agreement>,
 }
@@ -86,7 +91,9 @@ impl<'a> View<'a> {
             facts: Vec::new(),
             throughput: BTreeMap::new(),
             errors: Vec::new(),
-            decisions: Vec::new(),
+            against_oracle: HashMap::new(),
+            decisions: HashMap::new(),
+            methods: Vec::new(),
             preparations: Vec::new(),
             agreements: Vec::new(),
         };
@@ -103,25 +110,40 @@ impl<'a> View<'a> {
                     }
                 }
                 Record::Error(e) => view.errors.push(e),
-                Record::Decisions(d) => view.decisions.push(d),
+                Record::Decisions(d) => {
+                    let key = (d.variant.method.as_str(), d.variant.precision.as_str());
+                    view.decisions.entry(key).or_default().push(d);
+                }
                 Record::Preparation(p) => view.preparations.push(p),
                 Record::Agreement(a) => view.agreements.push(a),
             }
         }
         view.facts.sort_by(|a, b| a.year.cmp(&b.year).then(a.name.cmp(&b.name)));
         view.facts.dedup_by(|a, b| a.name == b.name);
+        for e in view.errors.iter().filter(|e| e.reference == ORACLE && e.count > 0) {
+            if view.is_main(&e.workload) {
+                let v = &e.variant;
+                let key = (v.method.as_str(), v.precision.as_str(), e.quantity.as_str());
+                view.against_oracle.entry(key).or_default().push(e);
+            }
+        }
+        view.methods = view.all_methods();
         view
     }
 
     /// Names of all methods that any record names, by year, then name.
-    pub(crate) fn methods(&self) -> Vec<&'a str> {
+    pub(crate) fn methods(&self) -> &[&'a str] {
+        &self.methods
+    }
+
+    fn all_methods(&self) -> Vec<&'a str> {
         let mut names: Vec<&str> = self.facts.iter().map(|m| m.name.as_str()).collect();
         let measured: BTreeSet<&str> = self
             .throughput
             .keys()
             .map(|v| v.method.as_str())
             .chain(self.errors.iter().map(|e| e.variant.method.as_str()))
-            .chain(self.decisions.iter().map(|d| d.variant.method.as_str()))
+            .chain(self.decisions.keys().map(|(method, _)| *method))
             .chain(self.preparations.iter().map(|p| p.method.as_str()))
             .collect();
         let known: BTreeSet<&str> = names.iter().copied().collect();
@@ -231,29 +253,29 @@ impl<'a> View<'a> {
     /// only one width was verified it stands for all.
     pub(crate) fn error(&self, variant: &Variant, quantity: &str) -> Option<Quantiles> {
         let same_values = |v: &Variant| {
-            v.method == variant.method
-                && v.precision == variant.precision
-                && v.arithmetic == variant.arithmetic
+            v.arithmetic == variant.arithmetic
                 && v.division == variant.division
                 && v.reciprocal == variant.reciprocal
         };
         let same_lanes =
             |v: &Variant| v.width == variant.width && v.instruction_set == variant.instruction_set;
-        self.pooled_error(quantity, |v| same_values(v) && same_lanes(v))
-            .or_else(|| self.pooled_error(quantity, same_values))
+        let of = (variant.method.as_str(), variant.precision.as_str());
+        self.pooled_error(of, quantity, |v| same_values(v) && same_lanes(v))
+            .or_else(|| self.pooled_error(of, quantity, same_values))
     }
 
-    /// The same over all variants that `keep` lets pass.
+    /// The same over the variants of a method and precision that `keep` lets pass.
     pub(crate) fn pooled_error(
         &self,
+        (method, precision): (&str, &str),
         quantity: &str,
         keep: impl Fn(&Variant) -> bool,
     ) -> Option<Quantiles> {
         let found: Vec<Quantiles> = self
-            .errors
+            .against_oracle
+            .get(&(method, precision, quantity))?
             .iter()
-            .filter(|e| e.reference == ORACLE && e.quantity == quantity && e.count > 0)
-            .filter(|e| self.is_main(&e.workload) && keep(&e.variant))
+            .filter(|e| keep(&e.variant))
             .map(|e| e.relative)
             .collect();
         let of = |get: fn(&Quantiles) -> f64| {
@@ -268,12 +290,16 @@ impl<'a> View<'a> {
         })
     }
 
-    /// False hits and false misses per million pairs, over all decisions that `keep` lets pass.
-    pub(crate) fn wrong_per_million(&self, keep: impl Fn(&Variant) -> bool) -> Option<f64> {
+    /// False hits and false misses per million pairs, over the decisions of the variants of a
+    /// method and precision that `keep` lets pass.
+    pub(crate) fn wrong_per_million(
+        &self,
+        of: (&str, &str),
+        keep: impl Fn(&Variant) -> bool,
+    ) -> Option<f64> {
         let (mut wrong, mut pairs) = (0u64, 0u64);
-        for class in
-            self.decisions.iter().filter(|d| keep(&d.variant)).flat_map(|d| d.classes.iter())
-        {
+        let decisions = self.decisions.get(&of)?.iter().filter(|d| keep(&d.variant));
+        for class in decisions.flat_map(|d| d.classes.iter()) {
             wrong += if class.is_hit { class.called_miss } else { class.called_hit };
             pairs += class.called_hit + class.called_miss;
         }
