@@ -293,7 +293,7 @@ fn front(view: &View, summary: &Summary) -> Vec<FrontText> {
 
 fn variants(view: &View) -> Vec<VariantRow> {
     let mut rows = Vec::new();
-    for need in view.needs() {
+    for &need in view.needs() {
         let comparable = view.comparable(|v| v.needs == need);
         for (v, ns) in comparable.scores() {
             let mut relative = Vec::new();

@@ -125,7 +125,7 @@ pub fn summary(records: &Records) -> Summary {
 
 pub(crate) fn of_view(view: &View) -> Summary {
     let plane = plane(view);
-    let winners = view.needs().into_iter().filter_map(|need| winner(view, need)).collect();
+    let winners = view.needs().iter().filter_map(|need| winner(view, need)).collect();
     let main = view.main_need().map(|need| view.comparable(|v| v.needs == need).scores());
     let scores = main.unwrap_or_default();
     let methods = view

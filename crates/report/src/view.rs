@@ -79,6 +79,8 @@ pub(crate) struct View<'a> {
     decisions: HashMap<(&'a str, &'a str), Vec<&'a Decisions>>,
     /// Names of all methods that any record names, by year, then name.
     methods: Vec<&'a str>,
+    /// Needs that were timed, cheapest first.
+    needs: Vec<&'a str>,
     pub(crate) preparations: Vec<&'a Preparation>,
     pub(crate) agreements: Vec<&'a Agreement>,
 }
@@ -94,6 +96,7 @@ impl<'a> View<'a> {
             against_oracle: HashMap::new(),
             decisions: HashMap::new(),
             methods: Vec::new(),
+            needs: Vec::new(),
             preparations: Vec::new(),
             agreements: Vec::new(),
         };
@@ -128,6 +131,7 @@ impl<'a> View<'a> {
             }
         }
         view.methods = view.all_methods();
+        view.needs = view.all_needs();
         view
     }
 
@@ -173,7 +177,11 @@ impl<'a> View<'a> {
     }
 
     /// Needs that were timed, cheapest first.
-    pub(crate) fn needs(&self) -> Vec<&'a str> {
+    pub(crate) fn needs(&self) -> &[&'a str] {
+        &self.needs
+    }
+
+    fn all_needs(&self) -> Vec<&'a str> {
         let timed: BTreeSet<&str> = self.throughput.keys().map(|v| v.needs.as_str()).collect();
         let mut needs: Vec<&str> = timed.into_iter().collect();
         needs.sort_by_key(|n| NEEDS.iter().position(|known| known == n).unwrap_or(NEEDS.len()));
@@ -182,7 +190,7 @@ impl<'a> View<'a> {
 
     /// The need that figures show: the fullest that was timed.
     pub(crate) fn main_need(&self) -> Option<&'a str> {
-        self.needs().into_iter().rev().find(|n| NEEDS.contains(n))
+        self.needs.iter().copied().rev().find(|n| NEEDS.contains(n))
     }
 
     /// Whether a workload stands for itself instead of being a step of a series.
