@@ -1,0 +1,20 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod chart;
+mod compare;
+mod figures;
+mod format;
+mod page;
+mod rank;
+pub mod stats;
+mod summary;
+mod text;
+mod theme;
+mod view;
+
+pub use chart::DrawError;
+pub use compare::{ComparedVariant, Comparison, ErrorDifference, compare};
+pub use page::{Page, PageError, write_page};
+pub use rank::{Filter, Ranked, Ranking, rank};
+pub use summary::{FrontPoint, MethodRow, PrecisionRow, Summary, Winner, summary};
