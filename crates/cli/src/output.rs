@@ -8,9 +8,8 @@ use anyhow::{Context as _, Result};
 
 /// Refuses a folder that cannot be written, before any work is done for it.
 pub(crate) fn check_folder(folder: &Path) -> Result<()> {
-    let context = || {
-        format!("{}: cannot write to this folder; name another with --output", folder.display())
-    };
+    let context =
+        || format!("{}: cannot write to this folder; name another with --output", folder.display());
     fs::create_dir_all(folder).with_context(context)?;
     tempfile::Builder::new().prefix(".trisect-").tempfile_in(folder).with_context(context)?;
     Ok(())

@@ -86,11 +86,7 @@ pub(crate) fn comparison(
     let size = if measurement.full { FULL } else { QUICK };
     let seed = measurement.subjects.seed;
     let random = std::iter::once_with(move || {
-        task(
-            trisect_workloads::random(seed, size.random, size.random),
-            Family::Random,
-            size.random,
-        )
+        task(trisect_workloads::random(seed, size.random, size.random), Family::Random, size.random)
     });
     let meshes = meshes.into_iter().flat_map(move |mesh| {
         mesh_workloads(seed, &mesh, size.picture).into_iter().enumerate().map(
@@ -101,19 +97,14 @@ pub(crate) fn comparison(
         )
     });
     let hit_rates = (0..=100).step_by(10).map(move |percent| {
-        let workload =
-            trisect_workloads::hit_rate(seed, percent, size.hit_rate, size.hit_rate);
+        let workload = trisect_workloads::hit_rate(seed, percent, size.hit_rate, size.hit_rate);
         let rays = workload.rays.len();
         task(workload, Family::HitRate, rays)
     });
     let working_sets = (8..=size.working_set).map(move |power| {
         // As many tests in each, but for the largest: a sample of a millisecond or more.
         let rays = (1 << 20 >> power).max(1);
-        task(
-            trisect_workloads::working_set(seed, rays, 1 << power),
-            Family::WorkingSet,
-            rays,
-        )
+        task(trisect_workloads::working_set(seed, rays, 1 << power), Family::WorkingSet, rays)
     });
     random.chain(meshes).chain(hit_rates).chain(working_sets)
 }
@@ -132,7 +123,7 @@ pub(crate) fn verification(
     }
     let workloads = meshes.iter().flat_map(|mesh| match rays {
         Some(rays) => vec![Workload {
-            name: format!("{}-rays", mesh.name),
+            name: format!("{}/rays", mesh.name),
             description: format!("the rays given, against {}", mesh.name),
             rays: rays.rays_f32.clone(),
             triangles: Arc::clone(&mesh.triangles),
@@ -176,7 +167,8 @@ fn closest(rays: &[Ray<f32>], mesh: &Mesh) -> Vec<Option<(usize, Hit<f32>)>> {
         .into_iter()
         .map(|closest| {
             closest.map(|(number, hit)| {
-                let hit = Hit { t: narrow(hit.t), beta: narrow(hit.beta), gamma: narrow(hit.gamma) };
+                let hit =
+                    Hit { t: narrow(hit.t), beta: narrow(hit.beta), gamma: narrow(hit.gamma) };
                 (number as usize, hit)
             })
         })

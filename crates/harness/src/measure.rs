@@ -134,8 +134,18 @@ impl Run<'_> {
             );
             let mut answered = Vec::new();
             for entry in &methods {
-                answered.push(self.answer(entry, &entry.f32, &subject.rays32, &subject.triangles32));
-                answered.push(self.answer(entry, &entry.f64, &subject.rays64, &subject.triangles64));
+                answered.push(self.answer(
+                    entry,
+                    &entry.f32,
+                    &subject.rays32,
+                    &subject.triangles32,
+                ));
+                answered.push(self.answer(
+                    entry,
+                    &entry.f64,
+                    &subject.rays64,
+                    &subject.triangles64,
+                ));
             }
             self.errors(&subject, &answered);
             self.agreement(&subject, &answered);
@@ -143,10 +153,8 @@ impl Run<'_> {
         if self.settings.timed && timed_rays > 0 {
             let timed_rays = timed_rays.min(subject.rays32.len());
             let mut groups = Vec::new();
-            self.progress.phase(
-                &format!("{}: preparing", subject.workload.name),
-                methods.len() as u64 * 2,
-            );
+            self.progress
+                .phase(&format!("{}: preparing", subject.workload.name), methods.len() as u64 * 2);
             for entry in &methods {
                 let rays = &subject.rays32[..timed_rays];
                 groups.push(self.prepare(&subject, entry, &entry.f32, rays, &subject.triangles32));
@@ -191,10 +199,12 @@ impl Run<'_> {
         references.extend(reference.map(|answers| ("f64-moller-trumbore", answers.pairs())));
         for method in answered {
             for (variant, answers) in &method.variants {
-                let named = record_variant(method.method, *variant, "one-ray", true, "barycentrics");
+                let named =
+                    record_variant(method.method, *variant, "one-ray", true, "barycentrics");
                 for (name, pairs) in &references {
                     for (quantity, of) in QUANTITIES {
-                        let (count, relative, ulps) = answers.errors(pairs, of, method.significant_bits);
+                        let (count, relative, ulps) =
+                            answers.errors(pairs, of, method.significant_bits);
                         self.lines.push(Record::Error(Error {
                             variant: named.clone(),
                             workload: subject.workload.name.clone(),

@@ -50,8 +50,12 @@ impl Subject {
         rays: Vec<Ray<f32>>,
         triangles: Vec<Triangle<f32>>,
     ) -> Self {
-        let per_ray: Vec<Answers> =
-            (0_u32..).zip(&rays).collect::<Vec<_>>().into_par_iter().map(|(number, ray)| ask(number, ray, &triangles)).collect();
+        let per_ray: Vec<Answers> = (0_u32..)
+            .zip(&rays)
+            .collect::<Vec<_>>()
+            .into_par_iter()
+            .map(|(number, ray)| ask(number, ray, &triangles))
+            .collect();
         let mut class_counts = vec![0; Class::ALL.len()];
         let mut truth = Vec::new();
         let mut closest = Vec::new();

@@ -44,7 +44,7 @@ pub fn random(seed: u64, rays: usize, triangles: usize) -> Workload {
 /// they fit one level of cache and not the one below. A larger set begins with the smaller one.
 pub fn working_set(seed: u64, rays: usize, triangles: usize) -> Workload {
     Workload {
-        name: format!("working-set-{triangles}"),
+        name: format!("working-set/{triangles}"),
         description: format!("{rays} random rays against {triangles} random triangles"),
         rays: ball_rays("working-set/rays", seed, rays),
         triangles: ball_triangles("working-set/triangles", seed, triangles),
@@ -102,7 +102,7 @@ pub fn hit_rate(seed: u64, percent: u32, rays: usize, triangles: usize) -> Workl
     stream.shuffle(&mut fates);
     let triangles = fates.into_iter().map(|fate| fated_triangle(&mut stream, fate)).collect();
     Workload {
-        name: format!("hit-rate-{percent}"),
+        name: format!("hit-rate/{percent}"),
         description: format!("every ray hits exactly {percent} % of the triangles"),
         rays,
         triangles,
@@ -168,7 +168,7 @@ fn fated_triangle(stream: &mut Stream, fate: Fate) -> Triangle<f32> {
 /// length. Nothing is random. A mesh of one point is seen from distance zero.
 pub fn primary(mesh: &Mesh, width: usize, height: usize) -> Workload {
     Workload {
-        name: format!("{}-primary", mesh.name),
+        name: format!("{}/primary", mesh.name),
         description: format!("camera rays at {}, {width} by {height}", mesh.name),
         rays: camera_rays(&mesh.bounds, width, height),
         triangles: Arc::clone(&mesh.triangles),
@@ -218,7 +218,7 @@ pub fn random_through_box(seed: u64, mesh: &Mesh, rays: usize) -> Workload {
         })
         .collect();
     Workload {
-        name: format!("{}-box", mesh.name),
+        name: format!("{}/random", mesh.name),
         description: format!("random rays in the bounding box of {}", mesh.name),
         rays,
         triangles: Arc::clone(&mesh.triangles),
@@ -255,7 +255,7 @@ pub fn diffuse_bounce(
         })
         .collect();
     Workload {
-        name: format!("{}-bounce", mesh.name),
+        name: format!("{}/diffuse", mesh.name),
         description: format!("diffuse bounces from {}", mesh.name),
         rays,
         triangles: Arc::clone(&mesh.triangles),
@@ -311,7 +311,7 @@ pub fn occlusion(
         })
         .collect();
     Workload {
-        name: format!("{}-occlusion", mesh.name),
+        name: format!("{}/occlusion", mesh.name),
         description: format!("shadow rays from {} to an area light", mesh.name),
         rays,
         triangles: Arc::clone(&mesh.triangles),

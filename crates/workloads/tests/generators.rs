@@ -63,12 +63,12 @@ fn all(seed: u64) -> Vec<Workload> {
 fn a_seed_gives_the_same_bits_everywhere() {
     let golden: [(&str, u64); 7] = [
         ("random", 0x6c5c_5fce_b64f_c0c4),
-        ("working-set-1000", 0xdd4e_1a9e_867a_5a13),
-        ("hit-rate-0", 0x08f2_3614_faff_7fef),
-        ("hit-rate-50", 0x552a_0ff0_6c10_2376),
-        ("box.little-box", 0xf563_bcc4_450f_bdb2),
-        ("box.little-bounce", 0x1973_6c3e_091e_5b64),
-        ("box.little-occlusion", 0x8339_3af6_fc22_bac2),
+        ("working-set/1000", 0xdd4e_1a9e_867a_5a13),
+        ("hit-rate/0", 0x08f2_3614_faff_7fef),
+        ("hit-rate/50", 0x552a_0ff0_6c10_2376),
+        ("box.little/random", 0xf563_bcc4_450f_bdb2),
+        ("box.little/diffuse", 0x1973_6c3e_091e_5b64),
+        ("box.little/occlusion", 0x8339_3af6_fc22_bac2),
     ];
     let hashes: Vec<_> = all(42).iter().map(|w| (w.name.clone(), hash(w))).collect();
     let golden = golden.map(|(name, hash)| (name.to_owned(), hash));
