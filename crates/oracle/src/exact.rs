@@ -3,9 +3,9 @@
 use core::cmp::Ordering;
 use core::ops::{Add, Mul, Sub};
 
-use dashu::base::{Abs, Sign, UnsignedAbs};
-use dashu::integer::IBig;
-use dashu::rational::{RBig, Relaxed};
+use dashu_base::{Abs, Sign, UnsignedAbs};
+use dashu_int::IBig;
+use dashu_ratio::{RBig, Relaxed};
 use trisect_core::{Float, Ray, Triangle, Vec3};
 
 use crate::Condition;

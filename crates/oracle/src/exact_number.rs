@@ -5,7 +5,7 @@ use core::cmp::Ordering;
 use core::fmt;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use dashu::rational::RBig;
+use dashu_ratio::RBig;
 use trisect_core::{Lanes, Number, Scalar};
 
 thread_local! {

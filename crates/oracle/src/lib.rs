@@ -8,6 +8,6 @@ mod fast;
 mod oracle;
 
 pub use class::Class;
-pub use dashu::rational::RBig;
+pub use dashu_ratio::RBig;
 pub use exact_number::Exact;
 pub use oracle::{Answer, Condition, Oracle, Truth, compare_t, exact_class, exact_rationals};

@@ -2,7 +2,7 @@
 
 use core::cmp::Ordering;
 
-use dashu::rational::RBig;
+use dashu_ratio::RBig;
 use trisect_core::{Float, Hit, Ray, Triangle};
 
 use crate::class::Class;

@@ -6,8 +6,10 @@
 use std::collections::HashSet;
 use std::path::Path;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
 use gltf::accessor::{DataType, Dimensions};
-use gltf::buffer::{Data, Source};
+use gltf::buffer::Source;
 use gltf::json::Root;
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Error, Gltf, Node, Primitive, Semantic};
@@ -24,11 +26,7 @@ pub(super) fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Raw, MeshProb
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let name = format!("buffer {}", buffer.index());
-        if let Source::Uri(uri) = buffer.source() {
-            check_uri(uri, &name)?;
-        }
-        let data = Data::from_source_and_blob(buffer.source(), folder, &mut blob)
-            .map_err(|error| buffer_problem(&name, &error))?;
+        let data = read_buffer(buffer.source(), folder, &mut blob, &name)?;
         if data.len() < buffer.length() {
             return Err(MeshProblem::Truncated {
                 what: format!("{name} needs {} bytes, it has {}", buffer.length(), data.len()),
@@ -113,40 +111,32 @@ fn check_accessors(root: &Root) -> Result<(), MeshProblem> {
     Ok(())
 }
 
-/// The library unwraps the text behind the percent signs of a path.
-fn check_uri(uri: &str, name: &str) -> Result<(), MeshProblem> {
-    if uri.starts_with("data:") {
-        return Ok(());
+/// The bytes of a buffer: the rest of a binary file, text in the document, or another file.
+fn read_buffer(
+    source: Source<'_>,
+    folder: Option<&Path>,
+    blob: &mut Option<Vec<u8>>,
+    name: &str,
+) -> Result<Vec<u8>, MeshProblem> {
+    let missing = |why: &str| MeshProblem::Missing { what: format!("data for {name}{why}") };
+    let malformed = |what: String| MeshProblem::Malformed { place: name.to_owned(), what };
+    let uri = match source {
+        Source::Bin => return blob.take().ok_or_else(|| missing("")),
+        Source::Uri(uri) => uri,
+    };
+    if let Some(embedded) = uri.strip_prefix("data:") {
+        let text = embedded.split_once(";base64,").map(|(_, text)| text);
+        let text = text.ok_or_else(|| malformed("its data is not in base64".to_owned()))?;
+        return BASE64.decode(text).map_err(|error| malformed(error.to_string()));
     }
-    let mut decoded = Vec::new();
-    let bytes = uri.as_bytes();
-    let mut at = 0;
-    while at < bytes.len() {
-        let code = bytes
-            .get(at + 1..at + 3)
-            .filter(|_| bytes[at] == b'%')
-            .and_then(|code| str::from_utf8(code).ok())
-            .and_then(|code| u8::from_str_radix(code, 16).ok());
-        decoded.push(code.unwrap_or(bytes[at]));
-        at += if code.is_some() { 3 } else { 1 };
-    }
-    if str::from_utf8(&decoded).is_ok() {
-        Ok(())
-    } else {
-        Err(MeshProblem::Malformed { place: name.to_owned(), what: "its path is no text".into() })
-    }
-}
-
-fn buffer_problem(name: &str, error: &Error) -> MeshProblem {
-    match error {
-        Error::ExternalReferenceInSliceImport => MeshProblem::Unsupported {
-            what: format!("{name}: a buffer in another file is, for a mesh in memory,"),
-            mend: "embed the buffers (.glb)",
-        },
-        Error::MissingBlob => MeshProblem::Missing { what: format!("data for {name}") },
-        Error::Io(error) => MeshProblem::Missing { what: format!("data for {name} ({error})") },
-        error => MeshProblem::Malformed { place: name.to_owned(), what: error.to_string() },
-    }
+    let folder = folder.ok_or_else(|| MeshProblem::Unsupported {
+        what: format!("{name}: a buffer in another file is, for a mesh in memory,"),
+        mend: "embed the buffers (.glb)",
+    })?;
+    let path = percent_encoding::percent_decode_str(uri)
+        .decode_utf8()
+        .map_err(|_| malformed("its path is no text".to_owned()))?;
+    std::fs::read(folder.join(path.as_ref())).map_err(|error| missing(&format!(" ({error})")))
 }
 
 fn problem(error: &Error) -> MeshProblem {
@@ -160,7 +150,7 @@ fn problem(error: &Error) -> MeshProblem {
 fn read_primitive(
     raw: &mut Raw,
     primitive: &Primitive<'_>,
-    buffers: &[Data],
+    buffers: &[Vec<u8>],
     world: &Matrix,
     place: &str,
 ) -> Result<(), MeshProblem> {
@@ -236,7 +226,7 @@ fn read_primitive(
 /// The items of an accessor, each of `size` bytes.
 fn items<'a>(
     accessor: &Accessor<'_>,
-    buffers: &'a [Data],
+    buffers: &'a [Vec<u8>],
     size: usize,
     place: &str,
 ) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, MeshProblem> {
