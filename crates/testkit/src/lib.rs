@@ -4,7 +4,6 @@
 mod cost;
 mod counting;
 mod draw;
-mod exact;
 pub mod properties;
 mod truth;
 
