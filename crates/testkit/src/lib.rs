@@ -4,6 +4,7 @@
 mod cost;
 mod counting;
 mod draw;
+pub mod lanes;
 pub mod properties;
 mod truth;
 
@@ -25,6 +26,11 @@ macro_rules! conformance_tests {
             degenerate_input_never_hits
             the_interval_is_closed
             any_bits_are_survived
+        );
+        $crate::conformance_tests!(@properties $method: lanes
+            every_width_has_the_scalar_bits
+            leaving_early_changes_no_bit
+            fused_and_newton_keep_the_claim
         );
     };
     (@properties $method:ty: $module:ident $($property:ident)+) => {
