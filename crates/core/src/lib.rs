@@ -1,4 +1,4 @@
-//! What every ray–triangle method of trisect is written against.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
 mod block;

@@ -31,7 +31,8 @@ pub struct Cost {
 pub fn cost<M: Method>() -> Cost {
     let number = Counting::from_f64;
     let vector = |x, y, z| Vec3::new(number(x), number(y), number(z));
-    let triangle = Triangle::new(vector(0.0, 0.0, 1.0), vector(4.0, 0.0, 2.0), vector(0.0, 4.0, 3.0));
+    let triangle =
+        Triangle::new(vector(0.0, 0.0, 1.0), vector(4.0, 0.0, 2.0), vector(0.0, 4.0, 3.0));
     // Meets the triangle inside, at t = 2.75.
     let ray = |tmax| Ray {
         o: vector(1.0, 1.0, -1.0),
@@ -113,7 +114,7 @@ pub fn cost_table<M: Method>() -> String {
     table
 }
 
-const BEGIN: &str = "<!-- cost table: counted, TRISECT_BLESS=1 cargo test rewrites it -->\n";
+const BEGIN: &str = "<!-- cost table, counted: TRISECT_BLESS=1 cargo test rewrites it -->\n";
 const END: &str = "<!-- end of cost table -->";
 
 /// `readme` with the text between its markers replaced by `table`; `None` without markers.

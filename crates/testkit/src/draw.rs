@@ -61,13 +61,16 @@ pub(crate) fn well_conditioned(weights: Range<f64>) -> impl Strategy<Value = Pai
         .prop_filter("of some length", |(v, _)| (0.1..1.0).contains(&length(*v)))
         .prop_map(|(v, size): (Vec3<f64>, f64)| v.scale(size / length(v)));
     (triangle(), direction, weights.clone(), weights, 0.5..2.0, 0.25..4.0)
-        .prop_filter("well conditioned", |(triangle, d, ..): &(Triangle<f64>, Vec3<f64>, f64, f64, f64, f64)| {
-            let (e1, e2) = (triangle.b - triangle.a, triangle.c - triangle.a);
-            let n = e1.cross(e2);
-            length(e1).min(length(e2)) >= 0.25
-                && length(n) >= 0.25 * length(e1) * length(e2)
-                && d.dot(n).abs() >= 0.25 * length(*d) * length(n)
-        })
+        .prop_filter(
+            "well conditioned",
+            |(triangle, d, ..): &(Triangle<f64>, Vec3<f64>, f64, f64, f64, f64)| {
+                let (e1, e2) = (triangle.b - triangle.a, triangle.c - triangle.a);
+                let n = e1.cross(e2);
+                length(e1).min(length(e2)) >= 0.25
+                    && length(n) >= 0.25 * length(e1) * length(e2)
+                    && d.dot(n).abs() >= 0.25 * length(*d) * length(n)
+            },
+        )
         .prop_map(|(triangle, d, beta, gamma, distance, tmax)| {
             let Triangle { a, b, c } = triangle;
             let point = (b - a).mul_add(beta, (c - a).mul_add(gamma, a));
@@ -78,8 +81,6 @@ pub(crate) fn well_conditioned(weights: Range<f64>) -> impl Strategy<Value = Pai
 
 /// Well-conditioned pairs that hit, far from every bound.
 pub(crate) fn clear_hits() -> impl Strategy<Value = Pair> {
-    well_conditioned(0.1..0.4).prop_map(|pair| Pair {
-        ray: Ray { tmax: f64::INFINITY, ..pair.ray },
-        ..pair
-    })
+    well_conditioned(0.1..0.4)
+        .prop_map(|pair| Pair { ray: Ray { tmax: f64::INFINITY, ..pair.ray }, ..pair })
 }

@@ -49,9 +49,15 @@ fn unpack<L: Lanes>(mask: L::Mask, hit: Hit<L>, mut found: impl FnMut(usize, Hit
     hit.t.store(&mut t);
     hit.beta.store(&mut beta);
     hit.gamma.store(&mut gamma);
-    let bits = L::bits(mask);
-    for lane in (0..L::N).filter(|lane| bits >> lane & 1 == 1) {
+    each_bit(L::bits(mask), &mut |lane| {
         found(lane, Hit { t: t[lane], beta: beta[lane], gamma: gamma[lane] });
+    });
+}
+
+/// Out of line and behind a pointer: compiled once, not in every kernel.
+fn each_bit(bits: u64, found: &mut dyn FnMut(usize)) {
+    for lane in (0..BLOCK).filter(|lane| bits >> lane & 1 == 1) {
+        found(lane);
     }
 }
 

@@ -1,17 +1,28 @@
-//! testkit
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
 mod cost;
 mod counting;
 mod draw;
+mod golden;
 pub mod lanes;
 pub mod properties;
 mod truth;
 
 pub use cost::{Cost, cost, cost_table, readme_cost_table};
 pub use counting::{Counting, Ops, counted};
+pub use golden::golden_cases;
 
-/// Stamps tests.
+/// Stamps the tests that every method is held to, one `#[test]` per property: the properties of
+/// one ray and one triangle, the lanes, the golden cases, and the cost table in the README of the
+/// crate that calls.
+///
+/// `known_failures` lists the golden cases that the method fails, as `"S4/early"`; a listed case
+/// that holds fails the test as well.
+///
+/// ```text
+/// trisect_testkit::conformance_tests!(trisect_wald::Wald, known_failures: ["S4/early"]);
+/// ```
 #[macro_export]
 macro_rules! conformance_tests {
     ($method:ty $(, known_failures: [$($failure:literal),* $(,)?])? $(,)?) => {
@@ -32,6 +43,15 @@ macro_rules! conformance_tests {
             leaving_early_changes_no_bit
             fused_and_newton_keep_the_claim
         );
+        #[test]
+        fn golden_cases() {
+            $crate::golden_cases::<$method>(&[$($($failure),*)?]);
+        }
+        #[test]
+        fn readme_has_the_cost_table() {
+            let readme = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
+            $crate::readme_cost_table::<$method>(readme.as_ref());
+        }
     };
     (@properties $method:ty: $module:ident $($property:ident)+) => {
         $(

@@ -245,7 +245,11 @@ pub fn culling_hides_one_side<M: Method>() {
 }
 
 /// The pair with one of its 15 coordinates replaced.
-fn with_coordinate(pair: (Ray<f32>, Triangle<f32>), place: usize, x: f32) -> (Ray<f32>, Triangle<f32>) {
+fn with_coordinate(
+    pair: (Ray<f32>, Triangle<f32>),
+    place: usize,
+    x: f32,
+) -> (Ray<f32>, Triangle<f32>) {
     let (mut ray, mut triangle) = pair;
     let Triangle { a, b, c } = &mut triangle;
     let vectors = [&mut ray.o, &mut ray.d, a, b, c];
