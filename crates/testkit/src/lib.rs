@@ -40,7 +40,7 @@ macro_rules! conformance_tests {
         );
         $crate::conformance_tests!(@properties $method: lanes
             every_width_has_the_scalar_bits
-            leaving_early_changes_no_bit
+            every_division_has_the_scalar_bits
             fused_and_newton_keep_the_claim
         );
         #[test]
