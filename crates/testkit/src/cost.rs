@@ -28,6 +28,9 @@ pub struct Cost {
 }
 
 /// Counts the operations of method `M`, with the true division and without culling.
+///
+/// # Panics
+/// When `M` decides the sample pair wrongly.
 pub fn cost<M: Method>() -> Cost {
     let number = Counting::from_f64;
     let vector = |x, y, z| Vec3::new(number(x), number(y), number(z));
@@ -84,6 +87,9 @@ fn run<M: Method, D: Division>(
 }
 
 /// [`cost`] as the Markdown table that stands in a method's README.
+///
+/// # Panics
+/// As [`cost`].
 pub fn cost_table<M: Method>() -> String {
     let cost = cost::<M>();
     let mut table = String::from(

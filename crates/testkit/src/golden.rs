@@ -48,7 +48,7 @@ fn hits(test: Test<f32>, ray: Ray<f32>, corners: [[f32; 3]; 3]) -> Result<Hit<f3
         .ok_or_else(|| format!("{ray:?} misses {corners:?}"))
 }
 
-fn same<T: PartialEq + core::fmt::Debug>(found: T, wanted: T) -> Result<(), String> {
+fn same<T: Copy + PartialEq + core::fmt::Debug>(found: T, wanted: T) -> Result<(), String> {
     if found == wanted { Ok(()) } else { Err(format!("{found:?} instead of {wanted:?}")) }
 }
 
@@ -188,12 +188,12 @@ const CASES: [Case; 17] = [
         what: "a triangle that is a line",
         check: |test| {
             let near_line = [
-                [-1113.454_6, -79.049_614, -56.243_19],
-                [-1113.454_6, -87.092_27, -56.243_19],
-                [-1113.454_6, -79.209_015, -56.243_19],
+                [-1_113.454_6, -79.049_614, -56.243_19],
+                [-1_113.454_6, -87.092_27, -56.243_19],
+                [-1_113.454_6, -79.209_015, -56.243_19],
             ];
             let mut along =
-                ray([-1081.479_2, 99.999_954, 87.770_11], [-32.107_3, -183.355_87, -144.607_64]);
+                ray([-1_081.479_2, 99.999_954, 87.770_11], [-32.107_3, -183.355_87, -144.607_64]);
             along.tmax = 0.9999;
             misses(test, along, near_line)
         },

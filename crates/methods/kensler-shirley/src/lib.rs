@@ -37,7 +37,8 @@ impl Method for KenslerShirley {
         let a = triangle.a;
         if triangle.is_degenerate() {
             // Fused arithmetic would give `ab × ca` a rounding error instead of zero.
-            return CornerTriangle { a, ab: a - a, ca: a - a };
+            let zero = a.map(|_| X::from_f64(0.0));
+            return CornerTriangle { a, ab: zero, ca: zero };
         }
         CornerTriangle { a, ab: triangle.b - a, ca: a - triangle.c }
     }

@@ -38,7 +38,8 @@ impl Method for MollerTrumbore {
         let a = triangle.a;
         if triangle.is_degenerate() {
             // With unequal edges `det` would be a rounding error instead of zero.
-            return EdgeTriangle { a, e1: a - a, e2: a - a };
+            let zero = a.map(|_| X::from_f64(0.0));
+            return EdgeTriangle { a, e1: zero, e2: zero };
         }
         EdgeTriangle { a, e1: triangle.b - a, e2: triangle.c - a }
     }
