@@ -140,7 +140,7 @@ fn split<E: Float>(pairs: &[Pair]) -> (Vec<Ray<E>>, Vec<Triangle<E>>) {
     pairs.iter().map(Pair::round::<E>).unzip()
 }
 
-fn bits<E: Float>(hit: &Option<Hit<E>>) -> Option<[u64; 3]> {
+fn bits<E: Float>(hit: Option<Hit<E>>) -> Option<[u64; 3]> {
     hit.map(|hit| [hit.t.bits64(), hit.beta.bits64(), hit.gamma.bits64()])
 }
 
@@ -181,7 +181,7 @@ fn same_bits<M: Method, D: Division, L: Lanes<Elem: Float>>(
     for ((ray, triangle), found) in pairs.zip(&results.hits) {
         let scalar = intersect_with::<M, D, L::Elem>(ray, triangle, culling);
         assert!(
-            bits(found) == bits(&scalar),
+            bits(*found) == bits(scalar),
             "{}, {}×{} on {}, {arrangement}, {culling:?}: {found:?}, scalar {scalar:?}\n\
              {ray:?}\n{triangle:?}",
             D::NAME,
