@@ -10,20 +10,23 @@ use crate::record::Of;
 /// The values of `t` that count as hits: `tmin ≤ t ≤ tmax`.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval<L> {
-    /// Smallest `t`.
+    /// Smallest `t`, at least −[`Scalar::largest_t`].
     pub tmin: L,
     /// Largest `t`, at most [`Scalar::largest_t`].
     pub tmax: L,
 }
 
 impl<L: Lanes> Interval<L> {
-    /// The closed interval, its upper end brought down to half the largest finite number, so that
-    /// no hit can carry an infinite `t` however its quotient rounds.
+    /// The closed interval, its ends brought within half the largest finite number, so that no
+    /// hit can carry an infinite `t` however its quotient rounds.
     #[inline(always)]
     pub fn new(tmin: L, tmax: L) -> Self {
         let end = tmax.constant(L::Elem::largest_t());
-        // A NaN in tmax stays, and fails every test.
-        Self { tmin, tmax: L::select(tmax.gt(end), end, tmax) }
+        // A NaN stays, and fails every test.
+        Self {
+            tmin: L::select(tmin.lt(-end), -end, tmin),
+            tmax: L::select(tmax.gt(end), end, tmax),
+        }
     }
 }
 
@@ -133,8 +136,9 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Early<R, EARLY_OUT> {
 }
 
 /// Tests numerators against the denominator and divides for hits alone. With
-/// `x' = x · sign(det)`: `beta' ≥ 0`, `gamma' ≥ 0`, `beta' + gamma' ≤ |det|`, `|det| > 0`,
-/// `tmin·|det| − t' ≤ 0`, `tmax·|det| − t' ≥ 0` (Havel 2008, section 4.2.4).
+/// `x' = x · sign(det)`: `beta' ≥ 0`, `gamma' ≥ 0`, `beta' + gamma' ≤ |det|`,
+/// `tmin·|det| − t' ≤ 0`, `tmax·|det| − t' ≥ 0` (Havel 2008, section 4.2.4), and `|det|` neither
+/// subnormal nor overflowed, so that the reciprocal is finite and not zero.
 pub struct Deferred<R, const EARLY_OUT: bool>(core::marker::PhantomData<R>);
 
 impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
@@ -152,17 +156,21 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
     ) {
         let h = M::intersect(ray, triangle);
         let zero = h.det.constant(L::Elem::from_f64(0.0));
+        let smallest = zero.constant(L::Elem::smallest_det());
+        let largest = zero.constant(L::Elem::largest_t());
         let det = h.det.xor_sign(h.det);
         let beta = h.beta.xor_sign(h.det);
         let gamma = h.gamma.xor_sign(h.det);
         let t = h.t.xor_sign(h.det);
-        let mask = beta.ge(zero) & gamma.ge(zero) & (beta + gamma).le(det) & det.gt(zero);
+        let mask = beta.ge(zero) & gamma.ge(zero) & (beta + gamma).le(det) & det.ge(smallest);
         if EARLY_OUT && !L::any(mask) {
             return;
         }
         let mask = seen::<M, L>(
             // As differences, so that an infinite t' against an infinite end is NaN and misses.
-            mask & interval.tmin.mul_sub(det, t).le(zero) & interval.tmax.mul_sub(det, t).ge(zero),
+            mask & interval.tmin.mul_sub(det, t).le(zero)
+                & interval.tmax.mul_sub(det, t).ge(zero)
+                & det.le(largest),
             triangle,
             h.det,
             culling,

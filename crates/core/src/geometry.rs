@@ -1,5 +1,6 @@
 //! Rays, triangles and hits: plain data over any number type.
 
+use crate::lanes::Scalar;
 use crate::number::Number;
 
 /// Three coordinates.
@@ -208,6 +209,17 @@ impl<X: Copy> Triangle<X> {
     /// The corners in order.
     pub fn corners(self) -> [Vec3<X>; 3] {
         [self.a, self.b, self.c]
+    }
+}
+
+impl<X: Scalar> Triangle<X> {
+    /// Whether the normal `(b − a) × (c − a)` is computed as zero: so it is where two corners are
+    /// equal, and where it underflows. For methods whose formula does not form the normal, and
+    /// would otherwise take its rounding errors for one.
+    #[inline(always)]
+    pub fn is_degenerate(&self) -> bool {
+        let zero = X::from_f64(0.0);
+        (self.b - self.a).cross(self.c - self.a) == Vec3::new(zero, zero, zero)
     }
 }
 

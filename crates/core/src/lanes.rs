@@ -95,6 +95,12 @@ pub trait Scalar:
     fn largest_t() -> Self {
         Self::from_f64(f64::MAX / 2.0)
     }
+    /// The smallest denominator that is divided by: the smallest normal number. The reciprocal of
+    /// a smaller one may be infinite.
+    #[inline(always)]
+    fn smallest_det() -> Self {
+        Self::from_f64(f64::MIN_POSITIVE)
+    }
     /// `|self|`
     #[must_use]
     #[inline(always)]
@@ -200,6 +206,10 @@ macro_rules! scalar {
             #[inline(always)]
             fn largest_t() -> Self {
                 $float::MAX / 2.0
+            }
+            #[inline(always)]
+            fn smallest_det() -> Self {
+                $float::MIN_POSITIVE
             }
             #[inline(always)]
             fn abs(self) -> Self {

@@ -1,4 +1,4 @@
-//! What every ray–triangle method of trisect is written against.
+#![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
 mod block;
@@ -10,6 +10,7 @@ mod method;
 mod needs;
 mod number;
 mod record;
+mod single;
 mod tier;
 
 pub use block::{BLOCK, PADDING, Packet, PreparedTriangles};
@@ -23,4 +24,5 @@ pub use method::{Homogeneous, Method, MethodInfo, MethodVisitor};
 pub use needs::{Barycentrics, Distance, Needs, Occlusion};
 pub use number::Number;
 pub use record::{Of, Record, field};
+pub use single::{intersect, intersect_with};
 pub use tier::{InstructionSet, LanesVisitor, Precision, Token};

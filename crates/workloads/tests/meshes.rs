@@ -399,7 +399,7 @@ fn wrong_gltf_documents_say_what_where_and_what_mends_it() {
         (
             uri.to_owned(),
             "data:application/octet-stream;base64,AAAA".to_owned(),
-            "truncated: buffer 0 needs 168 bytes, it has 4; copy or export the file again",
+            "truncated: buffer 0 needs 168 bytes, it has 3; copy or export the file again",
         ),
         (uri.to_owned(), "%ff.bin".to_owned(), "buffer 0: its path is no text; re-export the mesh"),
         (

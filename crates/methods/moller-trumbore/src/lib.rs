@@ -26,7 +26,9 @@ impl Method for MollerTrumbore {
         source: "T. Möller, B. Trumbore: Fast, Minimum Storage Ray/Triangle Intersection. \
                  Journal of Graphics Tools 2(1), 1997, section 2",
         outputs: &["hit", "t", "beta", "gamma"],
-        error_factor: 8.0,
+        // `t`: its numerator has 8 roundings and `det` 7, the reciprocal and the product one more
+        // each, `κ_t ≥ 2|t|`. One fewer for `beta` and `gamma`. See the README.
+        error_factor: 9.0,
     };
     type Prepared = EdgeTriangle<()>;
     type PreparedRay<L: Lanes> = Ray<L>;
@@ -34,6 +36,11 @@ impl Method for MollerTrumbore {
     #[inline(always)]
     fn prepare<X: Scalar>(triangle: &Triangle<X>, _group: usize) -> Of<Self::Prepared, X> {
         let a = triangle.a;
+        if triangle.is_degenerate() {
+            // With unequal edges `det` would be a rounding error instead of zero.
+            let zero = a.map(|_| X::from_f64(0.0));
+            return EdgeTriangle { a, e1: zero, e2: zero };
+        }
         EdgeTriangle { a, e1: triangle.b - a, e2: triangle.c - a }
     }
 

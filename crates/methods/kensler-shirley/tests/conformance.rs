@@ -1,0 +1,3 @@
+//! What the testkit holds every method to.
+
+trisect_testkit::conformance_tests!(trisect_kensler_shirley::KenslerShirley);

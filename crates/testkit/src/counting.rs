@@ -1,0 +1,201 @@
+//! A number that counts what is done to it.
+
+use core::cell::Cell;
+use core::cmp::Ordering;
+use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+use trisect_core::{Lanes, Number, Scalar};
+
+/// How often each operation was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Ops {
+    /// Products; a multiply-add is one product and one sum.
+    pub multiplies: u32,
+    /// Sums and differences.
+    pub adds: u32,
+    /// Quotients.
+    pub divisions: u32,
+    /// Comparisons.
+    pub comparisons: u32,
+    /// Negations, absolute values and copied signs: one bit operation each.
+    pub signs: u32,
+}
+
+impl Ops {
+    const ZERO: Self = Self { multiplies: 0, adds: 0, divisions: 0, comparisons: 0, signs: 0 };
+    const MULTIPLY: Self = Self { multiplies: 1, ..Self::ZERO };
+    const ADD: Self = Self { adds: 1, ..Self::ZERO };
+    const DIVIDE: Self = Self { divisions: 1, ..Self::ZERO };
+    const COMPARE: Self = Self { comparisons: 1, ..Self::ZERO };
+    const SIGN: Self = Self { signs: 1, ..Self::ZERO };
+
+    fn zip(self, other: Self, f: impl Fn(u32, u32) -> u32) -> Self {
+        Self {
+            multiplies: f(self.multiplies, other.multiplies),
+            adds: f(self.adds, other.adds),
+            divisions: f(self.divisions, other.divisions),
+            comparisons: f(self.comparisons, other.comparisons),
+            signs: f(self.signs, other.signs),
+        }
+    }
+}
+
+impl Add for Ops {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl AddAssign for Ops {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl Sub for Ops {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+thread_local! {
+    static DONE: Cell<Ops> = const { Cell::new(Ops::ZERO) };
+}
+
+fn count(ops: Ops) {
+    DONE.with(|done| done.set(done.get() + ops));
+}
+
+/// What `f` did to [`Counting`] numbers on this thread.
+pub fn counted<R>(f: impl FnOnce() -> R) -> (Ops, R) {
+    let before = DONE.with(Cell::get);
+    let result = f();
+    (DONE.with(Cell::get) - before, result)
+}
+
+/// An f64 that counts its own operations; see [`counted`].
+#[derive(Clone, Copy, Debug)]
+pub struct Counting(f64);
+
+macro_rules! operator {
+    ($trait:ident, $method:ident, $ops:expr) => {
+        impl $trait for Counting {
+            type Output = Self;
+            fn $method(self, other: Self) -> Self {
+                count($ops);
+                Self($trait::$method(self.0, other.0))
+            }
+        }
+    };
+}
+operator!(Add, add, Ops::ADD);
+operator!(Sub, sub, Ops::ADD);
+operator!(Mul, mul, Ops::MULTIPLY);
+operator!(Div, div, Ops::DIVIDE);
+
+impl Neg for Counting {
+    type Output = Self;
+    fn neg(self) -> Self {
+        count(Ops::SIGN);
+        Self(-self.0)
+    }
+}
+
+impl PartialEq for Counting {
+    fn eq(&self, other: &Self) -> bool {
+        count(Ops::COMPARE);
+        self.0 == other.0
+    }
+}
+
+impl PartialOrd for Counting {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        count(Ops::COMPARE);
+        self.0.partial_cmp(&other.0)
+    }
+}
+
+impl Number for Counting {
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        self * b + c
+    }
+    fn mul_sub(self, b: Self, c: Self) -> Self {
+        self * b - c
+    }
+}
+
+impl Lanes for Counting {
+    type Elem = Self;
+    type Mask = bool;
+    type Token = ();
+    const FUSED: bool = false;
+    const N: usize = 1;
+
+    fn splat((): (), x: Self) -> Self {
+        x
+    }
+    fn load((): (), xs: &[Self]) -> Self {
+        xs[0]
+    }
+    fn store(self, xs: &mut [Self]) {
+        xs[0] = self;
+    }
+    fn token(self) {}
+    fn reciprocal_estimate(self) -> Self {
+        Self(1.0) / self
+    }
+    fn lt(self, b: Self) -> bool {
+        self < b
+    }
+    fn le(self, b: Self) -> bool {
+        self <= b
+    }
+    fn xor_sign(self, s: Self) -> Self {
+        count(Ops::SIGN);
+        Self(self.0.xor_sign(s.0))
+    }
+    fn select(m: bool, a: Self, b: Self) -> Self {
+        if m { a } else { b }
+    }
+    fn any(m: bool) -> bool {
+        m
+    }
+    fn bits(m: bool) -> u64 {
+        u64::from(m)
+    }
+}
+
+impl Scalar for Counting {
+    fn from_f64(x: f64) -> Self {
+        Self(x)
+    }
+    fn to_f64(self) -> f64 {
+        self.0
+    }
+    fn abs(self) -> Self {
+        count(Ops::SIGN);
+        Self(self.0.abs())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_multiply_add_is_a_product_and_a_sum() {
+        let x = Counting(2.0);
+        let (ops, y) = counted(|| x.mul_add(x, -x));
+        assert_eq!(y.0, 2.0);
+        assert_eq!(ops, Ops { multiplies: 1, adds: 1, signs: 1, ..Ops::default() });
+    }
+
+    #[test]
+    fn comparisons_and_quotients_are_counted_once() {
+        let x = Counting(2.0);
+        let (ops, _) = counted(|| Lanes::ge(x / x, x));
+        assert_eq!(ops, Ops { divisions: 1, comparisons: 1, ..Ops::default() });
+    }
+}

@@ -1,0 +1,64 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod cost;
+mod counting;
+mod draw;
+mod golden;
+pub mod lanes;
+pub mod properties;
+mod truth;
+
+pub use cost::{Cost, cost, cost_table, readme_cost_table};
+pub use counting::{Counting, Ops, counted};
+pub use golden::golden_cases;
+
+/// Stamps the tests that every method is held to, one `#[test]` per property: the properties of
+/// one ray and one triangle, the lanes, the golden cases, and the cost table in the README of the
+/// crate that calls.
+///
+/// `known_failures` lists the golden cases that the method fails, as `"S4/early"`; a listed case
+/// that holds fails the test as well.
+///
+/// ```text
+/// trisect_testkit::conformance_tests!(trisect_wald::Wald, known_failures: ["S4/early"]);
+/// ```
+#[macro_export]
+macro_rules! conformance_tests {
+    ($method:ty $(, known_failures: [$($failure:literal),* $(,)?])? $(,)?) => {
+        $crate::conformance_tests!(@properties $method: properties
+            formula_is_exact
+            errors_are_within_the_claim
+            corners_may_be_renamed
+            translation_changes_no_more_than_claimed
+            powers_of_two_scale_exactly
+            culling_hides_one_side
+            nan_and_infinity_never_come_out
+            degenerate_input_never_hits
+            the_interval_is_closed
+            any_bits_are_survived
+        );
+        $crate::conformance_tests!(@properties $method: lanes
+            every_width_has_the_scalar_bits
+            every_division_has_the_scalar_bits
+            fused_and_newton_keep_the_claim
+        );
+        #[test]
+        fn golden_cases() {
+            $crate::golden_cases::<$method>(&[$($($failure),*)?]);
+        }
+        #[test]
+        fn readme_has_the_cost_table() {
+            let readme = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
+            $crate::readme_cost_table::<$method>(readme.as_ref());
+        }
+    };
+    (@properties $method:ty: $module:ident $($property:ident)+) => {
+        $(
+            #[test]
+            fn $property() {
+                $crate::$module::$property::<$method>();
+            }
+        )+
+    };
+}
