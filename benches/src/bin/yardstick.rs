@@ -11,9 +11,11 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 use serde::Serialize;
+#[cfg(target_arch = "x86_64")]
+use trisect_benches::intrinsics;
 use trisect_benches::{SEED, kernel_name, workloads};
 use trisect_catalog::{Arrangement, Kernel, Scene, Tally, entries};
-use trisect_core::Float;
+use trisect_core::{Float, InstructionSet};
 use trisect_harness::machine;
 use trisect_harness::record::Machine;
 use trisect_workloads::Workload;
@@ -82,9 +84,11 @@ struct Timing {
     ns_per_test: f64,
 }
 
-/// Of the ratios of each round.
+/// Of the ratios of each round. On a machine that others use too, the ratio of the fastest samples
+/// is the one that they disturb least.
 #[derive(Clone, Copy, Serialize)]
 struct Ratio {
+    of_fastest_samples: f64,
     median: f64,
     lower_quartile: f64,
     upper_quartile: f64,
@@ -93,10 +97,27 @@ struct Ratio {
 /// What is timed: a kernel on its scene, or a loop of intrinsics on its blocks.
 struct Contender<'a> {
     name: String,
+    kind: Kind,
     run: Box<dyn Fn() -> Tally + 'a>,
     tally: Tally,
     repeats: u32,
     ns: Vec<f64>,
+}
+
+/// What a contender is compared by.
+enum Kind {
+    Kernel {
+        method: &'static str,
+        kernel: &'static Kernel,
+    },
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        allow(dead_code, reason = "the intrinsics are written for one architecture")
+    )]
+    ByHand {
+        instruction_set: InstructionSet,
+        early_out: bool,
+    },
 }
 
 fn main() -> Result<()> {
@@ -131,42 +152,28 @@ fn takes_part(kernel: &Kernel, all: &[Kernel]) -> bool {
 
 fn measure(workload: &Workload, rounds: u16, random: &mut Pcg64) -> Result<Measured> {
     let (triangles, rays) = (&workload.triangles, &workload.rays);
-    let tests = (rays.len() * triangles.len()) as f64;
     let scenes: Vec<Scene> =
         entries().iter().map(|entry| (entry.f32.prepare)(triangles, rays)).collect();
-    let mut contenders: Vec<Contender<'_>> = Vec::new();
-    let mut kernels: Vec<(&'static str, &'static Kernel)> = Vec::new();
+    let mut contenders = Vec::new();
     for (entry, scene) in entries().iter().zip(&scenes) {
         let timed = &entry.f32.timed;
         for kernel in timed.iter().filter(|kernel| takes_part(kernel, timed)) {
-            kernels.push((entry.info.name, kernel));
-            contenders.push(Contender::new(kernel_name(kernel), || kernel.run(scene)));
+            let kind = Kind::Kernel { method: entry.info.name, kernel };
+            contenders.push(Contender::new(kernel_name(kernel), kind, || kernel.run(scene)));
         }
     }
     #[cfg(target_arch = "x86_64")]
-    let by_hand = {
-        use trisect_benches::intrinsics;
-        let blocks = intrinsics::prepare(triangles);
-        let first = contenders.len();
-        let loops = intrinsics::loops();
-        for by_hand in &loops {
-            let name = format!(
-                "intrinsics f32x{} {}{}",
-                by_hand.width,
-                by_hand.instruction_set,
-                if by_hand.early_out { " early-out" } else { "" }
-            );
-            let (run, blocks) = (*by_hand, blocks.clone());
-            contenders.push(Contender::new(name, move || run.run(rays, &blocks)));
+    {
+        let blocks = std::rc::Rc::new(intrinsics::prepare(triangles));
+        for by_hand in intrinsics::loops() {
+            let early_out = if by_hand.early_out { " early-out" } else { "" };
+            let (width, instruction_set) = (by_hand.width, by_hand.instruction_set);
+            let name = format!("intrinsics f32x{width} {instruction_set}{early_out}");
+            let kind = Kind::ByHand { instruction_set, early_out: by_hand.early_out };
+            let blocks = std::rc::Rc::clone(&blocks);
+            contenders.push(Contender::new(name, kind, move || by_hand.run(rays, &blocks)));
         }
-        loops
-            .iter()
-            .enumerate()
-            .map(|(i, by_hand)| (first + i, by_hand.instruction_set, by_hand.early_out))
-            .collect::<Vec<_>>()
-    };
-    #[cfg(not(target_arch = "x86_64"))]
-    let by_hand: Vec<(usize, trisect_core::InstructionSet, bool)> = Vec::new();
+    }
 
     let mut order: Vec<usize> = (0..contenders.len()).collect();
     for _ in 0..rounds {
@@ -175,80 +182,89 @@ fn measure(workload: &Workload, rounds: u16, random: &mut Pcg64) -> Result<Measu
             contenders[i].sample()?;
         }
     }
-
-    let timing = |i: usize| Timing {
-        name: contenders[i].name.clone(),
-        ns_per_test: contenders[i].median() / tests,
-    };
-    let ratio = |i: usize, j: usize| Ratio::of(&contenders[i].ns, &contenders[j].ns);
-    let methods = entries()
-        .iter()
-        .map(|entry| {
-            let fastest = |wanted: &dyn Fn(&Kernel) -> bool| {
-                (0..kernels.len())
-                    .filter(|&i| kernels[i].0 == entry.info.name && wanted(kernels[i].1))
-                    .min_by(|&i, &j| contenders[i].median().total_cmp(&contenders[j].median()))
-                    .expect("every method has scalars and lanes")
-            };
-            let best = fastest(&|kernel| kernel.variant.lane.width > 1);
-            let published = fastest(&|kernel| {
-                kernel.variant.lane.width == 1
-                    && kernel.early_out
-                    && kernel.variant.division == "early"
-                    && kernel.arrangement == Arrangement::OneRay
-            });
-            let fastest_scalar = fastest(&|kernel| kernel.variant.lane.width == 1);
-            AgainstScalar {
-                method: entry.info.name,
-                best: timing(best),
-                published: timing(published),
-                fastest_scalar: timing(fastest_scalar),
-                times_published: ratio(published, best),
-                times_fastest_scalar: ratio(fastest_scalar, best),
-            }
-        })
-        .collect();
-    let mut against_intrinsics = Vec::new();
-    for (by_hand, instruction_set, early_out) in by_hand {
-        let twin = kernels.iter().position(|(method, kernel)| {
-            *method == BY_HAND
-                && kernel.variant.lane.instruction_set == instruction_set
-                && kernel.variant.lane.arithmetic == "fused"
-                && kernel.arrangement == Arrangement::OneRay
-                && kernel.variant.division == "deferred"
-                && kernel.variant.reciprocal == "true"
-                && kernel.early_out == early_out
-        });
-        // The kernels of a lesser instruction set than the best take no part.
-        let Some(twin) = twin else { continue };
-        let (ours, theirs) = (contenders[twin].tally, contenders[by_hand].tally);
-        // `n · u · Σ|x|`, the bound for a sum in any order; no term is negative here.
-        let slack = ours.hits as f64 * f32::UNIT_ROUNDOFF * ours.sum;
-        ensure!(
-            ours.hits == theirs.hits && (ours.sum - theirs.sum).abs() <= slack,
-            "{}: {} returned {ours:?}, the intrinsics {theirs:?}",
-            workload.name,
-            contenders[twin].name,
-        );
-        against_intrinsics.push(AgainstIntrinsics {
-            kernel: timing(twin),
-            intrinsics: timing(by_hand),
-            hits: ours.hits,
-            time: ratio(twin, by_hand),
-        });
-    }
+    let tests = (rays.len() * triangles.len()) as f64;
     Ok(Measured {
         workload: workload.name.clone(),
         rays: rays.len(),
         triangles: triangles.len(),
-        methods,
-        intrinsics: against_intrinsics,
+        methods: entries()
+            .iter()
+            .map(|entry| against_scalar(entry.info.name, &contenders, tests))
+            .collect(),
+        intrinsics: against_intrinsics(&contenders, tests)?,
     })
+}
+
+fn against_scalar(method: &'static str, contenders: &[Contender<'_>], tests: f64) -> AgainstScalar {
+    let fastest = |wanted: &dyn Fn(&Kernel) -> bool| {
+        contenders
+            .iter()
+            .filter(|contender| match contender.kind {
+                Kind::Kernel { method: of, kernel } => of == method && wanted(kernel),
+                Kind::ByHand { .. } => false,
+            })
+            .min_by(|a, b| a.median().total_cmp(&b.median()))
+            .expect("every method has scalars and lanes")
+    };
+    let best = fastest(&|kernel| kernel.variant.lane.width > 1);
+    let published = fastest(&|kernel| {
+        kernel.variant.lane.width == 1
+            && kernel.early_out
+            && kernel.variant.division == "early"
+            && kernel.arrangement == Arrangement::OneRay
+    });
+    let fastest_scalar = fastest(&|kernel| kernel.variant.lane.width == 1);
+    AgainstScalar {
+        method,
+        best: best.timing(tests),
+        published: published.timing(tests),
+        fastest_scalar: fastest_scalar.timing(tests),
+        times_published: Ratio::of(&published.ns, &best.ns),
+        times_fastest_scalar: Ratio::of(&fastest_scalar.ns, &best.ns),
+    }
+}
+
+fn against_intrinsics(contenders: &[Contender<'_>], tests: f64) -> Result<Vec<AgainstIntrinsics>> {
+    let mut rows = Vec::new();
+    for theirs in contenders {
+        let Kind::ByHand { instruction_set, early_out } = theirs.kind else { continue };
+        let twin = contenders.iter().find(|contender| match contender.kind {
+            Kind::Kernel { method, kernel } => {
+                method == BY_HAND
+                    && kernel.variant.lane.instruction_set == instruction_set
+                    && kernel.variant.lane.arithmetic == "fused"
+                    && kernel.arrangement == Arrangement::OneRay
+                    && kernel.variant.division == "deferred"
+                    && kernel.variant.reciprocal == "true"
+                    && kernel.early_out == early_out
+            }
+            Kind::ByHand { .. } => false,
+        });
+        // The kernels of a lesser instruction set than the best take no part.
+        let Some(ours) = twin else { continue };
+        // `n · u · Σ|x|`, the bound for a sum in any order; no term is negative here.
+        let slack = ours.tally.hits as f64 * f32::UNIT_ROUNDOFF * ours.tally.sum;
+        ensure!(
+            ours.tally.hits == theirs.tally.hits
+                && (ours.tally.sum - theirs.tally.sum).abs() <= slack,
+            "{} returned {:?}, the intrinsics {:?}",
+            ours.name,
+            ours.tally,
+            theirs.tally,
+        );
+        rows.push(AgainstIntrinsics {
+            kernel: ours.timing(tests),
+            intrinsics: theirs.timing(tests),
+            hits: ours.tally.hits,
+            time: Ratio::of(&ours.ns, &theirs.ns),
+        });
+    }
+    Ok(rows)
 }
 
 impl<'a> Contender<'a> {
     /// Runs it until it is warm, and finds how often it must run for a sample.
-    fn new(name: String, run: impl Fn() -> Tally + 'a) -> Self {
+    fn new(name: String, kind: Kind, run: impl Fn() -> Tally + 'a) -> Self {
         let tally = run();
         let start = Instant::now();
         let mut runs = 0;
@@ -256,7 +272,7 @@ impl<'a> Contender<'a> {
             black_box(run());
             runs += 1;
         }
-        Self { name, run: Box::new(run), tally, repeats: runs, ns: Vec::new() }
+        Self { name, kind, run: Box::new(run), tally, repeats: runs, ns: Vec::new() }
     }
 
     fn sample(&mut self) -> Result<()> {
@@ -279,13 +295,19 @@ impl<'a> Contender<'a> {
     fn median(&self) -> f64 {
         quantile(&mut self.ns.clone(), 0.5)
     }
+
+    fn timing(&self, tests: f64) -> Timing {
+        Timing { name: self.name.clone(), ns_per_test: self.median() / tests }
+    }
 }
 
 impl Ratio {
     fn of(numerators: &[f64], denominators: &[f64]) -> Self {
         let mut ratios: Vec<f64> =
             numerators.iter().zip(denominators).map(|(a, b)| a / b).collect();
+        let fastest = |samples: &[f64]| samples.iter().copied().fold(f64::INFINITY, f64::min);
         Self {
+            of_fastest_samples: fastest(numerators) / fastest(denominators),
             median: quantile(&mut ratios, 0.5),
             lower_quartile: quantile(&mut ratios, 0.25),
             upper_quartile: quantile(&mut ratios, 0.75),
@@ -310,7 +332,10 @@ fn print(yardstick: &Yardstick) {
     println!("{}, {:.2} GHz measured, {}", machine.cpu, machine.core_ghz, machine.platform);
     println!("instruction sets {}", machine.instruction_sets.join(" "));
     println!("{}; {}", machine.compiler, machine.build);
-    println!("medians over {rounds} rounds in random order, quartiles in brackets");
+    println!(
+        "{rounds} rounds in random order; times are medians; ratios are the median of the rounds', \
+         their quartiles in brackets, then the ratio of the fastest samples"
+    );
     for measured in workloads {
         let Measured { workload, rays, triangles, methods, intrinsics } = measured;
         println!("\n{workload}: {rays} rays, {triangles} triangles");
@@ -318,12 +343,10 @@ fn print(yardstick: &Yardstick) {
         for row in methods {
             println!("  {}", row.method);
             let line = |label: &str, timing: &Timing, ratio: Option<Ratio>| {
-                let ratio = ratio.map(|ratio| format!("  {:>5.2}x {ratio}", ratio.median));
+                let ratio = ratio.map_or(String::new(), |ratio| ratio.to_string());
                 println!(
-                    "    {label:9} {:7.3} ns{}  {}",
-                    timing.ns_per_test,
-                    ratio.unwrap_or_default(),
-                    timing.name
+                    "    {label:9} {:7.3} ns  {ratio:32}  {}",
+                    timing.ns_per_test, timing.name
                 );
             };
             line("lanes", &row.best, None);
@@ -333,8 +356,7 @@ fn print(yardstick: &Yardstick) {
         println!("  {BY_HAND} against intrinsics of the same formula, time over time");
         for row in intrinsics {
             println!(
-                "    {:.3} {}  {:.3} ns {} / {:.3} ns {}, {} hits in both",
-                row.time.median,
+                "    {}  {:.3} ns {} / {:.3} ns {}, {} hits in both",
                 row.time,
                 row.kernel.ns_per_test,
                 row.kernel.name,
@@ -348,6 +370,10 @@ fn print(yardstick: &Yardstick) {
 
 impl std::fmt::Display for Ratio {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "[{:.3} {:.3}]", self.lower_quartile, self.upper_quartile)
+        let Self { of_fastest_samples, median, lower_quartile, upper_quartile } = self;
+        write!(
+            f,
+            "{median:6.3} [{lower_quartile:6.3} {upper_quartile:6.3}] {of_fastest_samples:6.3}"
+        )
     }
 }
