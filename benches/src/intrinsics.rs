@@ -116,6 +116,9 @@ fn run_avx512<const EARLY_OUT: bool>(rays: &[Ray<f32>], blocks: &[Block]) -> Tal
 #[target_feature(enable = "avx2,fma,popcnt")]
 fn avx2<const EARLY_OUT: bool>(rays: &[Ray<f32>], blocks: &[Block]) -> Tally {
     const WIDTH: usize = 8;
+    const BLOCK_BYTES: usize = size_of::<Block>();
+    /// From a lower half to its upper one, and from there to the next block's lower one.
+    const STEPS: [usize; 2] = [WIDTH * 4, BLOCK_BYTES - WIDTH * 4];
     let zero = _mm256_setzero_ps();
     let sign_bit = _mm256_set1_ps(-0.0);
     let smallest = _mm256_set1_ps(f32::smallest_det());
@@ -128,14 +131,19 @@ fn avx2<const EARLY_OUT: bool>(rays: &[Ray<f32>], blocks: &[Block]) -> Tally {
         let [dx, dy, dz] = ray.d.to_array().map(|x| _mm256_set1_ps(x));
         let interval = Interval::new(ray.tmin, ray.tmax);
         let (tmin, tmax) = (_mm256_set1_ps(interval.tmin), _mm256_set1_ps(interval.tmax));
-        // One loop over half blocks: two nested ones are unrolled until they spill.
-        for half in 0..blocks.len() * (BLOCK / WIDTH) {
-            let block = &blocks[half / (BLOCK / WIDTH)].0;
-            let start = half % (BLOCK / WIDTH) * WIDTH;
+        // One loop over half blocks: two nested ones are unrolled until they spill. Steps in place of
+        // a half's number save its division into block and start.
+        let mut offset = 0;
+        let mut step = STEPS[0];
+        while offset < size_of_val(blocks) {
+            let half = blocks.as_ptr().cast::<u8>().wrapping_add(offset);
+            offset += step;
+            step ^= STEPS[0] ^ STEPS[1];
             let row = |number: usize| -> __m256 {
-                // SAFETY: `start` is 0 or 8, so eight numbers of the row follow; a row begins
-                // every 64 bytes of a block that is aligned to 64.
-                unsafe { _mm256_load_ps(block[number].as_ptr().add(start)) }
+                // SAFETY: the offset stands at the first or the ninth number of a block among
+                // `blocks`, so eight numbers of the row follow, whose rows begin every 64 bytes of a
+                // block that is aligned to 64.
+                unsafe { _mm256_load_ps(half.add(number * size_of::<[f32; BLOCK]>()).cast()) }
             };
             // p = d × e2, det = e1 · p
             let (e2x, e2y, e2z) = (row(6), row(7), row(8));
