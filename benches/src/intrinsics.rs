@@ -7,14 +7,13 @@
 #![allow(unsafe_code, reason = "loads through pointers, and calls of functions with features")]
 
 use std::arch::x86_64::{
-    __m256, __m512, _CMP_GE_OQ, _CMP_LE_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_blendv_ps,
-    _mm256_cmp_ps, _mm256_div_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_load_ps,
-    _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps,
-    _mm256_sub_ps, _mm256_xor_ps, _mm512_abs_ps, _mm512_add_ps, _mm512_castps_si512,
-    _mm512_castsi512_ps, _mm512_cmp_ps_mask, _mm512_div_ps, _mm512_fmadd_ps, _mm512_fmsub_ps,
-    _mm512_load_ps, _mm512_mask_add_ps, _mm512_mask_cmp_ps_mask, _mm512_mul_ps,
-    _mm512_reduce_add_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_ps, _mm512_sub_ps,
-    _mm512_ternarylogic_epi32,
+    __m256, __m512, _CMP_GE_OQ, _CMP_LE_OQ, _mm256_add_ps, _mm256_and_ps, _mm256_cmp_ps,
+    _mm256_div_ps, _mm256_fmadd_ps, _mm256_fmsub_ps, _mm256_load_ps, _mm256_movemask_ps,
+    _mm256_mul_ps, _mm256_set1_ps, _mm256_setzero_ps, _mm256_storeu_ps, _mm256_sub_ps,
+    _mm256_xor_ps, _mm512_abs_ps, _mm512_add_ps, _mm512_castps_si512, _mm512_castsi512_ps,
+    _mm512_cmp_ps_mask, _mm512_div_ps, _mm512_fmadd_ps, _mm512_fmsub_ps, _mm512_load_ps,
+    _mm512_mask_add_ps, _mm512_mask_cmp_ps_mask, _mm512_mul_ps, _mm512_reduce_add_ps,
+    _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_ps, _mm512_sub_ps, _mm512_ternarylogic_epi32,
 };
 
 use trisect_catalog::Tally;
@@ -194,7 +193,7 @@ fn avx2<const EARLY_OUT: bool>(rays: &[Ray<f32>], blocks: &[Block]) -> Tally {
                 _mm256_add_ps(_mm256_mul_ps(beta, r), _mm256_mul_ps(gamma, r)),
             );
             hits += u64::from(bits.count_ones());
-            sum = _mm256_add_ps(sum, _mm256_blendv_ps(zero, asked, mask));
+            sum = _mm256_add_ps(sum, _mm256_and_ps(asked, mask));
         }
     }
     let mut sums = [0.0; WIDTH];
