@@ -124,7 +124,9 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Early<R, EARLY_OUT> {
         let one = det.constant(L::Elem::from_f64(1.0));
         let mut mask =
             seen::<M, L>(hit.t.ge(interval.tmin) & hit.t.le(interval.tmax), triangle, det, culling);
-        if EARLY_OUT && !L::any(mask) {
+        // With lanes a single branch, after all tests: some lane mostly passes the first, and a branch
+        // that is hard to predict costs more than the tests that it skips.
+        if EARLY_OUT && L::N == 1 && !L::any(mask) {
             return;
         }
         mask = mask & hit.beta.ge(zero) & hit.gamma.ge(zero) & (hit.beta + hit.gamma).le(one);

@@ -29,16 +29,26 @@ pub fn one_ray<M: Method, L: Lanes, D: Division>(
         let prepared = M::prepare_ray(&ray, group);
         let blocks = triangles.blocks(places);
         // One loop, not two: a loop over the vectors of a block would be unrolled, and its
-        // vectors interleaved until they spill.
-        for place in (0..blocks.len() * BLOCK).step_by(L::N) {
-            let triangle = blocks[place / BLOCK].lanes::<L>(token, place % BLOCK);
+        // vectors interleaved until they spill. It steps from block to block, since dividing a place
+        // into block and lane, and checking the block's bounds, costs a vector up to a tenth.
+        let mut rest = blocks.iter();
+        let mut current = rest.next();
+        let (mut place, mut lane) = (places.start, 0);
+        while let Some(block) = current {
+            let triangle = block.lanes::<L>(token, lane);
+            lane = (lane + L::N) % BLOCK;
+            if lane == 0 {
+                current = rest.next();
+            }
+            let first = place;
+            place += L::N;
             D::test::<M, L>(
                 &prepared,
                 &triangle,
                 interval,
                 culling,
                 #[inline(always)]
-                |mask, hit| found(places.start + place, mask, hit),
+                |mask, hit| found(first, mask, hit),
             );
         }
     }

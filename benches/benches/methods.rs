@@ -1,0 +1,111 @@
+//! Times every method and variant of the catalogue that this processor can run, on random
+//! triangles and on the bunny.
+//!
+//! Hundreds of variants share a few minutes, so each has ten short samples: enough to tell
+//! variants apart that differ by a tenth. A word after `--` selects by name and
+//! `--measurement-time` gives what is selected more time:
+//! `cargo bench -- 'random/wald/f32x8' --measurement-time 2`. For ratios that must be trusted to a
+//! hundredth take the `yardstick` program, which interleaves what it compares.
+#![allow(missing_docs, reason = "criterion's macros make public items without")]
+
+use std::cell::OnceCell;
+use std::ops::ControlFlow;
+use std::time::Duration;
+
+use criterion::{
+    BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
+};
+use trisect_benches::{kernel_name, workloads};
+use trisect_catalog::{Finder, Kernel, Kernels, Scene, entries};
+use trisect_core::{Culling, Precision, Ray, Triangle};
+
+fn methods(criterion: &mut Criterion) {
+    for workload in workloads() {
+        let rays64: Vec<Ray<f64>> = workload.rays.iter().map(|&ray| ray.into()).collect();
+        let triangles64: Vec<Triangle<f64>> =
+            workload.triangles.iter().map(|&triangle| triangle.into()).collect();
+        for entry in entries() {
+            let mut group = Group {
+                criterion,
+                name: format!("{}/{}", workload.name, entry.info.name),
+                tests: (workload.rays.len() * workload.triangles.len()) as u64,
+            };
+            group.bench(&entry.f32, &workload.triangles, &workload.rays);
+            group.bench(&entry.f64, &triangles64, &rays64);
+        }
+    }
+}
+
+/// One method on one workload.
+struct Group<'a> {
+    criterion: &'a mut Criterion,
+    name: String,
+    tests: u64,
+}
+
+impl Group<'_> {
+    fn bench<E: Precision>(
+        &mut self,
+        kernels: &Kernels<E>,
+        triangles: &[Triangle<E>],
+        rays: &[Ray<E>],
+    ) {
+        let mut group = self.criterion.benchmark_group(&self.name);
+        group.throughput(Throughput::Elements(self.tests)).sampling_mode(SamplingMode::Flat);
+        // Made when the first kernel that is not filtered out asks.
+        let scene = OnceCell::new();
+        let hits: Vec<OnceCell<u64>> = kernels.finders.iter().map(|_| OnceCell::new()).collect();
+        let available = |kernel: &&Kernel| kernel.variant.lane.instruction_set.is_available();
+        for kernel in kernels.timed.iter().filter(available) {
+            group.bench_function(BenchmarkId::from_parameter(kernel_name(kernel)), |bencher| {
+                let scene = scene.get_or_init(|| (kernels.prepare)(triangles, rays));
+                let answering = finder_for(kernels, kernel);
+                let expected =
+                    *hits[answering].get_or_init(|| count_hits(&kernels.finders[answering], scene));
+                let tally = kernel.run(scene);
+                assert_eq!(tally.hits, expected, "{}: wrong hits", kernel_name(kernel));
+                assert!(tally.sum.is_finite(), "{}: wrong sum", kernel_name(kernel));
+                bencher.iter(|| kernel.run(scene));
+            });
+        }
+        group.finish();
+    }
+}
+
+/// The finder whose hits a kernel must count: of plain kernels the scalar, since plain arithmetic
+/// gives the same bits on every width; of others the kernel's own.
+fn finder_for<E: Precision>(kernels: &Kernels<E>, kernel: &Kernel) -> usize {
+    let variant = kernel.variant;
+    let is_plain = variant.lane.arithmetic == "plain" && variant.reciprocal == "true";
+    kernels
+        .finders
+        .iter()
+        .position(|finder| {
+            if is_plain {
+                finder.variant.lane.width == 1 && finder.variant.division == variant.division
+            } else {
+                finder.variant == variant
+            }
+        })
+        .expect("every timed variant has a finder")
+}
+
+fn count_hits(finder: &Finder, scene: &Scene) -> u64 {
+    let mut hits = 0;
+    finder.find(scene, Culling::None, &mut |_, _, _| {
+        hits += 1;
+        ControlFlow::Continue(())
+    });
+    hits
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(20))
+        .measurement_time(Duration::from_millis(50))
+        .nresamples(1_000);
+    targets = methods
+}
+criterion_main!(benches);

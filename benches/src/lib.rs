@@ -1,0 +1,44 @@
+//! What the benches and the yardstick share: the workloads, the kernels by name, and the loops of
+//! hand-written intrinsics that the catalogue's kernels are held against.
+#![deny(unsafe_op_in_unsafe_fn)]
+
+#[cfg(target_arch = "x86_64")]
+pub mod intrinsics;
+
+use trisect_catalog::Kernel;
+use trisect_workloads::{Mesh, Workload, primary, random};
+
+/// The seed of everything random here.
+pub const SEED: u64 = 1;
+
+/// Rays, and triangles, of the random workload: enough for a sample, few enough for the caches.
+const RANDOM: usize = 512;
+
+/// Side, in pixels, of the picture whose rays meet the bunny: one packet of rays.
+const PICTURE: usize = 4;
+
+/// What is timed on: random rays and triangles, and a mesh beyond the first caches.
+pub fn workloads() -> [Workload; 2] {
+    [random(SEED, RANDOM, RANDOM), primary(&Mesh::bunny(), PICTURE, PICTURE)]
+}
+
+/// A kernel's name, without its method: `f32x8 avx2 fused one-ray deferred early-out barycentrics`.
+pub fn kernel_name(kernel: &Kernel) -> String {
+    let variant = kernel.variant;
+    let lane = variant.lane;
+    let mut words = vec![
+        format!("{}x{}", lane.precision, lane.width),
+        lane.instruction_set.name().to_owned(),
+        lane.arithmetic.to_owned(),
+        kernel.arrangement.name().to_owned(),
+        variant.division.to_owned(),
+    ];
+    if variant.reciprocal != "true" {
+        words.push(variant.reciprocal.to_owned());
+    }
+    if kernel.early_out {
+        words.push("early-out".to_owned());
+    }
+    words.push(kernel.needs.to_owned());
+    words.join(" ")
+}
