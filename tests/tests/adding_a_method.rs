@@ -73,7 +73,8 @@ impl Copy {
             let kind = entry.file_type().expect("the workspace can be read");
             if hidden || skipped {
                 continue;
-            } else if kind.is_dir() {
+            }
+            if kind.is_dir() {
                 self.copy(from, &path);
             } else if kind.is_file() {
                 let content = fs::read(entry.path()).expect("the workspace can be read");

@@ -27,7 +27,7 @@ pub(crate) enum Verb {
     Rank(Rank),
     /// Compare two records: two machines, or two commits
     Cmp(Cmp),
-    /// Draw the page and its figures from a record
+    /// Draw the page and its figures from a record, and print its summary
     Report(Report),
     /// Check every method against the exact oracle
     Verify(Verify),
@@ -132,6 +132,9 @@ pub(crate) struct Report {
     /// Folder for the page and its figures
     #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
     pub output: PathBuf,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]

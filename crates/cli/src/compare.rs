@@ -10,30 +10,16 @@ use trisect_workloads::Mesh;
 
 use crate::arguments::{Compare, Measure, Measurement};
 use crate::progress::Bar;
-use crate::{output, tasks};
-
-/// Columns of the summary: a terminal's.
-const COLUMNS: usize = 80;
+use crate::{output, records, tasks};
 
 /// Measures, prints the summary, writes the record and the page.
 pub(crate) fn run(arguments: &Compare) -> Result<()> {
     let planned = Plan::new(&arguments.measurement)?;
     output::check_folder(&arguments.output)?;
-    let records = planned.run()?;
+    let taken = planned.run()?;
     let file = arguments.output.join("record.jsonl");
-    output::write_file(&file, |out| records.write(out))?;
-    let page = trisect_report::write_page(&records, &arguments.output)
-        .with_context(|| format!("{}: cannot write the page", arguments.output.display()))?;
-    let summary = trisect_report::summary(&records);
-    output::print(|out| {
-        if arguments.json {
-            serde_json::to_writer(&mut *out, &summary)?;
-            writeln!(out)
-        } else {
-            writeln!(out, "{}", summary.to_text(COLUMNS))
-        }
-    })?;
-    eprintln!("page    {}", page.index.display());
+    output::write_file(&file, |out| taken.write(out))?;
+    records::publish(&taken, &arguments.output, arguments.json)?;
     eprintln!("record  {}", file.display());
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! `rank`, `cmp` and `report`: what is made of records.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use anyhow::{Context as _, Result, bail};
 use serde::Serialize;
@@ -11,6 +12,7 @@ use crate::arguments::{Cmp, Rank, Report};
 use crate::compare::read;
 use crate::output;
 
+/// Columns of what is printed: a terminal's.
 const COLUMNS: usize = 80;
 
 pub(crate) fn rank(arguments: &Rank) -> Result<()> {
@@ -60,9 +62,16 @@ pub(crate) fn compare(arguments: &Cmp) -> Result<()> {
 pub(crate) fn report(arguments: &Report) -> Result<()> {
     let records = read(&arguments.record)?;
     output::check_folder(&arguments.output)?;
-    let page = trisect_report::write_page(&records, &arguments.output)
-        .with_context(|| format!("{}: cannot write the page", arguments.output.display()))?;
-    eprintln!("page  {}", page.index.display());
+    publish(&records, &arguments.output, arguments.json)
+}
+
+/// Writes the page and prints the summary.
+pub(crate) fn publish(records: &Records, folder: &Path, json: bool) -> Result<()> {
+    let page = trisect_report::write_page(records, folder)
+        .with_context(|| format!("{}: cannot write the page", folder.display()))?;
+    let summary = trisect_report::summary(records);
+    show(&summary, &summary.to_text(COLUMNS), json)?;
+    eprintln!("\npage    {}", page.index.display());
     Ok(())
 }
 

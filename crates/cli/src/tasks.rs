@@ -27,9 +27,9 @@ struct Size {
 }
 
 const QUICK: Size =
-    Size { random: 512, picture: 12, timed_rays: 16, hit_rate: 256, working_set: 20 };
+    Size { random: 512, picture: 12, timed_rays: 16, hit_rate: 500, working_set: 20 };
 const FULL: Size =
-    Size { random: 1024, picture: 24, timed_rays: 64, hit_rate: 512, working_set: 22 };
+    Size { random: 1024, picture: 24, timed_rays: 64, hit_rate: 1000, working_set: 22 };
 
 /// The methods named, or all.
 pub(crate) fn methods(names: &[String]) -> Result<Vec<&'static Entry>> {

@@ -95,7 +95,7 @@ fn meshes() {
             .file("m.obj", v),
         case(query!("m.obj"), "m.obj: the mesh has no triangles; export it with its faces")
             .file("m.obj", ""),
-        case(query!("m.ply"), "m.ply: …; …").file("m.ply", ""),
+        case(query!("m.ply"), "m.ply: truncated: the header has no `end_header`; copy or export the file again").file("m.ply", ""),
         case(query!("m.obj"), "m.obj: face 0 (line 5) has 4 corners; triangulate the mesh first")
             .file("m.obj", format!("{v}v 1 1 0\nf 1 2 4 3\n")),
         case(
@@ -120,8 +120,8 @@ fn meshes() {
             .file("m.ply", format!("{ply}4 0 1 2 0\n")),
         case(query!("m.stl"), "m.stl: truncated: …; copy or export the file again")
             .file("m.stl", stl),
-        case(query!("m.gltf"), "m.gltf: …").file("m.gltf", "{"),
-        case(query!("m.glb"), "m.glb: …").file("m.glb", "glTF"),
+        case(query!("m.gltf"), "m.gltf: truncated: …; copy or export the file again").file("m.gltf", "{"),
+        case(query!("m.glb"), "m.glb: truncated: the header promises 12 bytes, the file has 4; copy or export the file again").file("m.glb", "glTF"),
         // Every verb that takes a mesh reads it before it does anything.
         case(
             "--mesh m.obj --rounds 1",

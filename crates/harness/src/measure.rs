@@ -157,9 +157,21 @@ impl Run<'_> {
                 .phase(&format!("{}: preparing", subject.workload.name), methods.len() as u64 * 2);
             for entry in &methods {
                 let rays = &subject.rays32[..timed_rays];
-                groups.push(self.prepare(&subject, entry, &entry.f32, rays, &subject.triangles32));
+                groups.extend(self.prepare(
+                    &subject,
+                    entry,
+                    &entry.f32,
+                    rays,
+                    &subject.triangles32,
+                ));
                 let rays = &subject.rays64[..timed_rays];
-                groups.push(self.prepare(&subject, entry, &entry.f64, rays, &subject.triangles64));
+                groups.extend(self.prepare(
+                    &subject,
+                    entry,
+                    &entry.f64,
+                    rays,
+                    &subject.triangles64,
+                ));
             }
             self.time(&subject, timed_rays, &groups)?;
         }
@@ -253,7 +265,8 @@ impl Run<'_> {
         }
     }
 
-    /// Prepares a method's triangles, timed, and lists the kernels to time on them.
+    /// Prepares a method's triangles, timed, and lists the kernels to time on them; nothing where
+    /// there are none.
     fn prepare<E: Precision>(
         &mut self,
         subject: &Subject,
@@ -261,13 +274,17 @@ impl Run<'_> {
         kernels: &'static Kernels<E>,
         rays: &[Ray<E>],
         triangles: &[Triangle<E>],
-    ) -> Group {
+    ) -> Option<Group> {
         let timed: Vec<&Kernel> = kernels
             .timed
             .iter()
             .filter(|kernel| kernel.variant.lane.instruction_set.is_available())
             .filter(|kernel| is_shown(subject.workload.family, kernel, &kernels.timed))
             .collect();
+        if timed.is_empty() {
+            self.progress.step();
+            return None;
+        }
         let mut samples_ns = Vec::new();
         for _ in 0..self.settings.rounds {
             let start = Instant::now();
@@ -290,14 +307,14 @@ impl Run<'_> {
             .map(|finder| (finder.variant, Answers::of(finder, &scene)))
             .collect();
         self.progress.step();
-        Group {
+        Some(Group {
             method: entry.info.name,
             bytes_per_triangle: entry.stored_numbers * size_of::<E>(),
             unit_roundoff: E::UNIT_ROUNDOFF,
             scene,
             timed,
             answers,
-        }
+        })
     }
 
     fn time(

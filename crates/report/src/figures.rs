@@ -426,12 +426,13 @@ fn early_out(view: &View) -> Figure {
     }
 }
 
-/// Lines of throughput over a series of workloads, one per method: its fastest f32 variant, or
-/// f64 where there is no other. Also those variants, for the caption.
+/// Lines of throughput over a series of workloads, one per method: its fastest f32 variant
+/// `among` those asked for, or f64 where there is no other. Also those variants, for the caption.
 fn series_lines(
     view: &View,
     family: Family,
     x: impl Fn(&Variant, &str) -> Option<f64>,
+    among: impl Fn(&Variant) -> bool,
 ) -> (Vec<Entry>, Vec<Series>, Vec<String>) {
     let names: Vec<&str> = view.family(family).iter().map(|w| w.name.as_str()).collect();
     let (mut legend, mut lines, mut said) = (Vec::new(), Vec::new(), Vec::new());
@@ -441,6 +442,7 @@ fn series_lines(
                 Some(v.needs.as_str()) == view.main_need()
                     && v.method == method
                     && v.precision == precision
+                    && among(v)
             };
             let on = view.comparable_on(keep, |w| names.contains(&w));
             on.scores().first().map(|(v, _)| *v)
@@ -464,25 +466,30 @@ fn series_lines(
     (legend, lines, said)
 }
 
-fn lines_drawing(
+/// One panel of lines. `top` is a speed that the axis reaches, so that panels can be compared.
+fn lines_panel(
+    title: &str,
     x: (&str, Scale, fn(f64) -> String),
-    legend: Vec<Entry>,
+    top: f64,
     series: Vec<Series>,
-) -> Drawing {
+) -> Panel {
     let points = || series.iter().flat_map(|s| s.points.iter());
     let across = Axis::over(x.0, x.1, points().map(|p| p.0), x.2);
-    let up = points().map(|p| p.1 * 1.05).chain([0.0]);
-    let y = Axis::over("million tests per second", Scale::Linear, up, tick);
-    let plane = Plane {
-        title: String::new(),
+    let y = Axis::over("million tests per second", Scale::Linear, [0.0, top * 1.05], tick);
+    Panel::Plane(Plane {
+        title: title.into(),
         x: across,
         y,
         height: 300,
         series,
         rules: Vec::new(),
         labels: Vec::new(),
-    };
-    Drawing { panels: vec![Panel::Plane(plane)], legend, key: Vec::new() }
+    })
+}
+
+/// The largest speed of the lines.
+fn top_speed(series: &[Series]) -> f64 {
+    series.iter().flat_map(|s| &s.points).map(|p| p.1).fold(0.0, f64::max)
 }
 
 fn percent(x: f64) -> String {
@@ -491,20 +498,38 @@ fn percent(x: f64) -> String {
 
 fn hit_rate(view: &View) -> Figure {
     let share = |_: &Variant, w: &str| view.workloads.get(w).map(|w| w.hit_rate * 100.0);
-    let (legend, series, said) = series_lines(view, Family::HitRate, share);
+    let sides =
+        [("Without early-out", false), ("With early-out", true)].map(|(title, early_out)| {
+            let (legend, series, said) =
+                series_lines(view, Family::HitRate, share, |v| v.early_out == early_out);
+            (title, legend, series, said)
+        });
+    let top = sides.iter().map(|side| top_speed(&side.2)).fold(0.0, f64::max);
+    let mut drawing = Drawing { panels: Vec::new(), legend: Vec::new(), key: Vec::new() };
+    let mut said = Vec::new();
+    for (title, legend, series, variants) in sides {
+        if series.is_empty() {
+            continue;
+        }
+        let x: (_, _, fn(f64) -> _) = ("tests that hit", Scale::Linear, percent);
+        drawing.panels.push(lines_panel(title, x, top, series));
+        drawing.legend = legend;
+        said.extend(variants);
+    }
     Figure {
         name: "hit-rate",
         title: "Throughput against hit rate",
         caption: format!(
             "How the share of tests that hit changes the speed of the fastest variant of each \
-             method over this series, when asked for {}. {}.",
+             method over this series, when asked for {}. A branch that leaves early costs most \
+             where it is hardest to foresee. {}.",
             need_in_prose(view.main_need().unwrap_or_default()),
             said.join("; ")
         ),
-        drawing: if series.is_empty() {
+        drawing: if drawing.panels.is_empty() {
             Err("Left out: the record times no workloads of the hit-rate family.".into())
         } else {
-            Ok(lines_drawing(("tests that hit", Scale::Linear, percent), legend, series))
+            Ok(drawing)
         },
     }
 }
@@ -515,13 +540,13 @@ fn working_set(view: &View) -> Figure {
         let triangles = view.workloads.get(w)?.triangles;
         Some((triangles * timed.bytes_per_triangle) as f64)
     };
-    let (legend, series, said) = series_lines(view, Family::WorkingSet, size);
+    let (legend, series, said) = series_lines(view, Family::WorkingSet, size, |_| true);
     Figure {
         name: "working-set",
         title: "Throughput against working set",
         caption: format!(
-            "The same against the size of the prepared triangles: their number times the bytes \
-             that the method reads for each, so that a method that stores more moves to the \
+            "The speed of the fastest variant of each method against the size of the prepared \
+             triangles: their number times the bytes that the method reads for each, so that a method that stores more moves to the \
              right. Asked for {}. {}.",
             need_in_prose(view.main_need().unwrap_or_default()),
             said.join("; ")
@@ -529,7 +554,10 @@ fn working_set(view: &View) -> Figure {
         drawing: if series.is_empty() {
             Err("Left out: the record times no workloads of the working-set family.".into())
         } else {
-            Ok(lines_drawing(("prepared triangles", Scale::Binary, bytes), legend, series))
+            let top = top_speed(&series);
+            let x: (_, _, fn(f64) -> _) = ("prepared triangles", Scale::Binary, bytes);
+            let panels = vec![lines_panel("", x, top, series)];
+            Ok(Drawing { panels, legend, key: Vec::new() })
         },
     }
 }

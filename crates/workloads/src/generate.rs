@@ -66,97 +66,96 @@ fn ball_triangles(stream: &str, seed: u64, count: usize) -> Arc<[Triangle<f32>]>
     (0..count).map(|_| Triangle::new(stream.ball(), stream.ball(), stream.ball())).collect()
 }
 
-/// Rays that all hit the same, exact share of the triangles.
+/// Triangles that are all hit by the same, exact share of the rays: `round(rays · percent / 100)`.
 ///
-/// `round(triangles · percent / 100)` triangles are hit by every ray, the others by none, in
-/// random order, so that the share is exact for each ray and for all pairs. Of the misses a
-/// quarter each fail by `alpha < 0`, `beta < 0`, `gamma < 0` and `t < 0` (the first kinds take
-/// the remainder). Front and back faces are equally likely.
-///
-/// The rays run along +z, jittered: from a disc of radius 0.2 at z in `[-4, -3)` through one at
-/// z in `[3, 4)`. Between the discs they stay within 0.2 of the axis, and triangles there
-/// contain, or stay clear of, a cylinder of radius 0.5: no pair is near an edge.
+/// The rays are parallel and pass through the unit circle; each triangle is cut off along a chord
+/// of random direction, so that it covers the share and no more. Which rays those are differs from
+/// triangle to triangle, and which triangles from ray to ray: no branch predictor learns them by
+/// heart. Misses pass outside one edge, any of the three alike; front and back faces are equally
+/// likely. Planes are tilted at random. Of eight chords the one farthest from any ray is taken,
+/// so that no pair is near an edge.
 ///
 /// # Panics
 /// When `percent` is above 100.
 pub fn hit_rate(seed: u64, percent: u32, rays: usize, triangles: usize) -> Workload {
-    assert!(percent <= 100, "a share of {percent} % of the triangles does not exist");
+    assert!(percent <= 100, "a share of {percent} % of the rays does not exist");
     // One set of rays for all shares, so that they compare.
     let mut stream = Stream::new("hit-rate/rays", seed);
-    let rays = (0..rays)
-        .map(|_| {
-            let mut end = |low, high| {
-                let (x, y) = stream.disc();
-                Vec3::new(0.2 * x, 0.2 * y, stream.range(low, high))
-            };
-            let (from, through) = (end(-4.0, -3.0), end(3.0, 4.0));
-            Ray::<f32>::new(from, through - from)
+    let frame = Frame::random(&mut stream);
+    let circle: Vec<(f32, f32)> = (0..rays).map(|_| stream.circle()).collect();
+    let rays = circle
+        .iter()
+        .map(|&(x, y)| {
+            let from = frame.point(x, y, stream.range(-4.0, -3.0));
+            Ray::<f32>::new(from, frame.w.scale(stream.range(1.0, 2.0)))
         })
         .collect();
-
     let mut stream = Stream::new(&format!("hit-rate/triangles/{percent}"), seed);
-    let hits = (triangles * percent as usize + 50) / 100;
-    let mut fates: Vec<Fate> = (0..triangles)
-        .map(|i| if i < hits { Fate::Hit } else { Fate::MISSES[(i - hits) % 4] })
-        .collect();
-    stream.shuffle(&mut fates);
-    let triangles = fates.into_iter().map(|fate| fated_triangle(&mut stream, fate)).collect();
+    let covered = (circle.len() * percent as usize + 50) / 100;
+    let triangles =
+        (0..triangles).map(|_| covering(&mut stream, &frame, &circle, covered)).collect();
     Workload {
         name: format!("hit-rate/{percent}"),
-        description: format!("every ray hits exactly {percent} % of the triangles"),
+        description: format!("every triangle is hit by exactly {percent} % of the rays"),
         rays,
         triangles,
     }
 }
 
-/// How a triangle meets the rays of [`hit_rate`].
-#[derive(Clone, Copy)]
-enum Fate {
-    Hit,
-    /// The rays pass outside the edge opposite this corner.
-    Beside(usize),
-    Behind,
+/// Three unit vectors at right angles.
+struct Frame {
+    u: Vec3<f32>,
+    v: Vec3<f32>,
+    w: Vec3<f32>,
 }
 
-impl Fate {
-    const MISSES: [Self; 4] = [Self::Beside(0), Self::Beside(1), Self::Beside(2), Self::Behind];
+impl Frame {
+    fn random(stream: &mut Stream) -> Self {
+        let w = stream.sphere();
+        loop {
+            let across = w.cross(stream.sphere());
+            // Nearly parallel vectors span no plane worth having.
+            if across.dot(across) > 0.25 {
+                let u = normalize(across);
+                return Self { u, v: w.cross(u), w };
+            }
+        }
+    }
+
+    fn point(&self, x: f32, y: f32, z: f32) -> Vec3<f32> {
+        self.u.mul_add(x, self.v.mul_add(y, self.w.scale(z)))
+    }
 }
 
-/// A jittered equilateral triangle across the axis of the rays.
-fn fated_triangle(stream: &mut Stream, fate: Fate) -> Triangle<f32> {
-    const HALF_SQRT_3: f32 = 0.866_025_4;
-    // Each corner moves by less than √2 · 0.3 < 0.43 across the axis, so that the incircle of
-    // radius scale / 2 keeps at least scale / 2 − 0.43.
-    const JITTER: f32 = 0.3;
-    let (x, y) = stream.circle();
-    let (scale, z) = match fate {
-        Fate::Behind => (stream.range(4.0, 6.0), stream.range(-9.0, -7.0)),
-        _ => (stream.range(2.0, 4.0), stream.range(-2.0, 2.0)),
+/// A triangle that contains exactly `covered` of the points on the unit circle, seen along `w`.
+fn covering(
+    stream: &mut Stream,
+    frame: &Frame,
+    circle: &[(f32, f32)],
+    covered: usize,
+) -> Triangle<f32> {
+    let chord = |(nx, ny): (f32, f32)| {
+        // Sentinels, for the chords that cut off nothing and everything.
+        let mut along = vec![-2.0, 2.0];
+        along.extend(circle.iter().map(|&(x, y)| x * nx + y * ny));
+        along.sort_unstable_by(f32::total_cmp);
+        let (last_in, first_out) = (along[covered], along[covered + 1]);
+        (first_out - last_in, (nx, ny), 0.5 * (first_out + last_in))
     };
-    let directions = [
-        (x, y),
-        (-0.5 * x - HALF_SQRT_3 * y, HALF_SQRT_3 * x - 0.5 * y),
-        (-0.5 * x + HALF_SQRT_3 * y, -HALF_SQRT_3 * x - 0.5 * y),
-    ];
-    // The edge opposite the first corner lies at −scale / 2 along (x, y), up to the jitter; the
-    // shift takes it to at least 0.5 on the other side of the axis.
-    let shift = match fate {
-        Fate::Beside(_) => 0.5 * scale + 0.43 + stream.range(0.5, 1.5),
-        _ => 0.0,
-    };
-    let mut corners = directions.map(|(u, v)| {
-        Vec3::new(
-            scale * u + shift * x + stream.range(-JITTER, JITTER),
-            scale * v + shift * y + stream.range(-JITTER, JITTER),
-            z + stream.range(-0.5, 0.5),
-        )
+    let (_, (nx, ny), edge) = (0..8)
+        .map(|_| chord(stream.circle()))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .expect("eight is more than none");
+    // In coordinates along and across the normal of the chord: its two ends, and a corner so far
+    // behind that the other two edges stay clear of the circle.
+    let ends = [stream.range(6.0, 12.0), -stream.range(6.0, 12.0)];
+    let behind = -stream.range(6.0, 12.0);
+    let (height, slopes) = (stream.range(-1.0, 1.0), [0, 1].map(|_| stream.range(-0.5, 0.5)));
+    let mut corners = [(edge, ends[0]), (edge, ends[1]), (behind, 0.0)].map(|(n, m)| {
+        let (x, y) = (n * nx - m * ny, n * ny + m * nx);
+        frame.point(x, y, height + slopes[0] * x + slopes[1] * y)
     });
-    if stream.flip() {
-        corners.swap(1, 2);
-    }
-    if let Fate::Beside(corner) = fate {
-        corners.rotate_right(corner);
-    }
+    stream.shuffle(&mut corners);
     let [a, b, c] = corners;
     Triangle { a, b, c }
 }

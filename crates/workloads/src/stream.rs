@@ -28,10 +28,6 @@ impl Stream {
         low + (high - low) * self.unit()
     }
 
-    pub(crate) fn flip(&mut self) -> bool {
-        self.0.next_u64() >> 63 == 1
-    }
-
     /// Uniform in the closed unit ball, by rejection from the cube.
     pub(crate) fn ball(&mut self) -> Vec3<f32> {
         loop {

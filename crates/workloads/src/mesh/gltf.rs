@@ -26,7 +26,7 @@ pub(super) fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Raw, MeshProb
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let name = format!("buffer {}", buffer.index());
-        let data = read_buffer(buffer.source(), folder, &mut blob, &name)?;
+        let data = read_buffer(&buffer.source(), folder, &mut blob, &name)?;
         if data.len() < buffer.length() {
             return Err(MeshProblem::Truncated {
                 what: format!("{name} needs {} bytes, it has {}", buffer.length(), data.len()),
@@ -113,7 +113,7 @@ fn check_accessors(root: &Root) -> Result<(), MeshProblem> {
 
 /// The bytes of a buffer: the rest of a binary file, text in the document, or another file.
 fn read_buffer(
-    source: Source<'_>,
+    source: &Source<'_>,
     folder: Option<&Path>,
     blob: &mut Option<Vec<u8>>,
     name: &str,
@@ -129,13 +129,13 @@ fn read_buffer(
         let text = text.ok_or_else(|| malformed("its data is not in base64".to_owned()))?;
         return BASE64.decode(text).map_err(|error| malformed(error.to_string()));
     }
+    let path = percent_encoding::percent_decode_str(uri)
+        .decode_utf8()
+        .map_err(|_| malformed("its path is no text".to_owned()))?;
     let folder = folder.ok_or_else(|| MeshProblem::Unsupported {
         what: format!("{name}: a buffer in another file is, for a mesh in memory,"),
         mend: "embed the buffers (.glb)",
     })?;
-    let path = percent_encoding::percent_decode_str(uri)
-        .decode_utf8()
-        .map_err(|_| malformed("its path is no text".to_owned()))?;
     std::fs::read(folder.join(path.as_ref())).map_err(|error| missing(&format!(" ({error})")))
 }
 
