@@ -100,9 +100,9 @@ pub(crate) struct Rank {
     /// The record
     #[arg(value_name = "FILE")]
     pub record: PathBuf,
-    /// What is asked of a hit: occlusion, t or barycentrics; all if left out
+    /// What is asked of a hit; all if left out
     #[arg(long)]
-    pub needs: Option<String>,
+    pub needs: Option<Needs>,
     /// Only this workload
     #[arg(long, value_name = "NAME")]
     pub workload: Option<String>,
@@ -138,6 +138,9 @@ pub(crate) struct Report {
 }
 
 #[derive(Debug, Args)]
+#[command(mut_arg("mesh", |mesh| mesh.help(
+    "Mesh (PLY, OBJ, STL or glTF), any number of times; random triangles if left out"
+)))]
 pub(crate) struct Verify {
     #[command(flatten)]
     pub subjects: Subjects,
@@ -154,8 +157,8 @@ pub(crate) struct Query {
     /// Mesh: PLY, OBJ, STL or glTF
     #[arg(long, value_name = "FILE")]
     pub mesh: PathBuf,
-    /// Rays: CSV with the header ox,oy,oz,dx,dy,dz and optionally tmin,tmax, - for standard
-    /// input, or binary .rays
+    /// Rays: CSV with the header ox,oy,oz,dx,dy,dz and optionally tmin,tmax; binary .rays; or -
+    /// for CSV from standard input
     #[arg(long, value_name = "FILE")]
     pub rays: PathBuf,
     /// A method of `trisect list`, or `oracle` for the exact truth, rounded once
@@ -164,8 +167,7 @@ pub(crate) struct Query {
     /// Floats that rays and triangles are given in and answers computed in
     #[arg(long, default_value = "f32")]
     pub precision: Precision,
-    /// Lanes: 1, 2, 4, 8, 16, or native for the widest; a width stands for the instruction set
-    /// that it is native to
+    /// Lanes; a width stands for the instruction set that it is native to, native for the widest
     #[arg(long, default_value = "native")]
     pub width: Width,
     /// When to divide
@@ -190,6 +192,23 @@ impl Precision {
         match self {
             Self::F32 => "f32",
             Self::F64 => "f64",
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Needs {
+    Occlusion,
+    T,
+    Barycentrics,
+}
+
+impl Needs {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Occlusion => "occlusion",
+            Self::T => "t",
+            Self::Barycentrics => "barycentrics",
         }
     }
 }

@@ -3,9 +3,10 @@
 use std::fs::File;
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, anyhow};
 use trisect_harness::Settings;
 use trisect_harness::record::Records;
+use trisect_workloads::Mesh;
 
 use crate::arguments::{Compare, Measure, Measurement};
 use crate::progress::Bar;
@@ -13,8 +14,9 @@ use crate::{output, records, tasks};
 
 /// Measures, prints the summary, writes the record and the page.
 pub(crate) fn run(arguments: &Compare) -> Result<()> {
+    let planned = Plan::new(&arguments.measurement)?;
     output::check_folder(&arguments.output)?;
-    let taken = take(&arguments.measurement)?;
+    let taken = planned.run()?;
     let file = arguments.output.join("record.jsonl");
     output::write_file(&file, |out| taken.write(out))?;
     records::publish(&taken, &arguments.output, arguments.json)?;
@@ -24,27 +26,42 @@ pub(crate) fn run(arguments: &Compare) -> Result<()> {
 
 /// Measures and writes the record.
 pub(crate) fn measure(arguments: &Measure) -> Result<()> {
+    let planned = Plan::new(&arguments.measurement)?;
     if let Some(file) = &arguments.output {
-        output::check_folder(output::folder_of(file))?;
+        output::check_file(file)?;
     }
-    let records = take(&arguments.measurement)?;
+    let records = planned.run()?;
     match &arguments.output {
         Some(file) => output::write_file(file, |out| records.write(out)),
         None => output::print(|out| records.write(out)),
     }
 }
 
-fn take(measurement: &Measurement) -> Result<Records> {
-    let settings = Settings {
-        command: command(),
-        seed: measurement.subjects.seed,
-        rounds: measurement.rounds.map_or(if measurement.full { 15 } else { 5 }, |n| n as usize),
-        methods: tasks::methods(&measurement.subjects.methods)?,
-        timed: true,
-    };
-    let meshes = tasks::meshes(&measurement.subjects)?;
-    let tasks = tasks::comparison(measurement, meshes);
-    Ok(trisect_harness::measure(&settings, tasks, &mut Bar::new())?)
+/// A measurement whose input is read and found good: nothing is written before that.
+struct Plan<'a> {
+    settings: Settings,
+    measurement: &'a Measurement,
+    meshes: Vec<Mesh>,
+}
+
+impl<'a> Plan<'a> {
+    fn new(measurement: &'a Measurement) -> Result<Self> {
+        let rounds = if measurement.full { 15 } else { 5 };
+        let settings = Settings {
+            command: command(),
+            seed: measurement.subjects.seed,
+            rounds: measurement.rounds.map_or(rounds, |n| n as usize),
+            methods: tasks::methods(&measurement.subjects.methods)?,
+            timed: true,
+        };
+        let meshes = tasks::meshes(&measurement.subjects)?;
+        Ok(Self { settings, measurement, meshes })
+    }
+
+    fn run(self) -> Result<Records> {
+        let tasks = tasks::comparison(self.measurement, self.meshes);
+        Ok(trisect_harness::measure(&self.settings, tasks, &mut Bar::new())?)
+    }
 }
 
 /// The command line as it was typed, without the folder of the program.
@@ -55,7 +72,7 @@ pub(crate) fn command() -> String {
 
 /// Reads a record.
 pub(crate) fn read(path: &Path) -> Result<Records> {
-    let context = || path.display().to_string();
-    let file = File::open(path).with_context(context)?;
-    Records::read(std::io::BufReader::new(file)).with_context(context)
+    let file = File::open(path)
+        .map_err(|error| anyhow!("{}: cannot be read ({error}); check the path", path.display()))?;
+    Records::read(std::io::BufReader::new(file)).with_context(|| path.display().to_string())
 }

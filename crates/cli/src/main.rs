@@ -18,6 +18,20 @@ use trisect_harness::WrongAnswer;
 
 use arguments::{Arguments, Verb};
 
+/// A message without what would break its line or move the cursor: names of files and what is
+/// quoted from them may hold anything.
+fn one_line(message: &str) -> String {
+    let mut line = String::new();
+    for c in message.chars() {
+        if c.is_control() {
+            line.extend(c.escape_default());
+        } else {
+            line.push(c);
+        }
+    }
+    line
+}
+
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let done = match arguments.verb {
@@ -29,21 +43,18 @@ fn main() -> ExitCode {
         Some(Verb::Report(arguments)) => records::report(&arguments),
         Some(Verb::Verify(arguments)) => verify::run(&arguments),
         Some(Verb::Query(arguments)) => query::run(&arguments),
-        Some(Verb::Completions { shell }) => {
-            clap_complete::generate(
-                shell,
-                &mut Arguments::command(),
-                "trisect",
-                &mut std::io::stdout(),
-            );
-            Ok(())
-        }
+        Some(Verb::Completions { shell }) => output::print(|out| {
+            // Into memory first: the generator panics where it cannot write.
+            let mut script = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "trisect", &mut script);
+            out.write_all(&script)
+        }),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if output::is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("trisect: {error:#}");
+            eprintln!("trisect: {}", one_line(&format!("{error:#}")));
             // 2: the input is at fault, as for clap's own errors; 1: trisect is.
             ExitCode::from(if error.is::<WrongAnswer>() { 1 } else { 2 })
         }

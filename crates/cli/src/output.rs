@@ -4,19 +4,39 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, anyhow, bail};
 
 /// Refuses a folder that cannot be written, before any work is done for it.
 pub(crate) fn check_folder(folder: &Path) -> Result<()> {
-    let context =
-        || format!("{}: cannot write to this folder; name another with --output", folder.display());
-    fs::create_dir_all(folder).with_context(context)?;
-    tempfile::Builder::new().prefix(".trisect-").tempfile_in(folder).with_context(context)?;
-    Ok(())
+    fs::create_dir_all(folder)
+        .and_then(|()| tempfile::Builder::new().prefix(".trisect-").tempfile_in(folder))
+        .map(drop)
+        .map_err(|error| {
+            let folder = folder.display();
+            anyhow!(
+                "{folder}: cannot write to this folder ({error}); name another with --output",
+                error = without_path(&error)
+            )
+        })
+}
+
+/// Refuses a place that a file cannot be written to, before any work is done for it.
+pub(crate) fn check_file(file: &Path) -> Result<()> {
+    if file.is_dir() {
+        bail!("{}: is a folder; name a file with --output", file.display());
+    }
+    check_folder(folder_of(file))
+}
+
+/// What the system said, without the temporary file's name that was tried.
+fn without_path(error: &io::Error) -> String {
+    error
+        .raw_os_error()
+        .map_or_else(|| error.to_string(), |code| io::Error::from_raw_os_error(code).to_string())
 }
 
 /// The folder that a file lies in.
-pub(crate) fn folder_of(file: &Path) -> &Path {
+fn folder_of(file: &Path) -> &Path {
     match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

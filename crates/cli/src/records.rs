@@ -1,10 +1,11 @@
 //! `rank`, `cmp` and `report`: what is made of records.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use serde::Serialize;
-use trisect_harness::record::Records;
+use trisect_harness::record::{Record, Records};
 use trisect_report::Filter;
 
 use crate::arguments::{Cmp, Rank, Report};
@@ -16,9 +17,40 @@ const COLUMNS: usize = 80;
 
 pub(crate) fn rank(arguments: &Rank) -> Result<()> {
     let records = read(&arguments.record)?;
-    let filter = Filter { needs: arguments.needs.clone(), workload: arguments.workload.clone() };
+    let filter = Filter {
+        needs: arguments.needs.map(|needs| needs.name().to_owned()),
+        workload: arguments.workload.clone(),
+    };
     let ranking = trisect_report::rank(&records, &filter);
+    if ranking.entries.is_empty() {
+        bail!("{}: {}", arguments.record.display(), nothing_to_rank(&records, &filter));
+    }
     show(&ranking, &ranking.to_text(COLUMNS), arguments.json)
+}
+
+/// Why a ranking is empty, and what mends it.
+fn nothing_to_rank(records: &Records, filter: &Filter) -> String {
+    let timed = |line: &Record| match line {
+        Record::Throughput(line) => Some(line.workload.clone()),
+        _ => None,
+    };
+    let timed: BTreeSet<String> = records.lines.iter().filter_map(timed).collect();
+    if timed.is_empty() {
+        return "nothing in this record is timed; make one with `trisect measure --output FILE`"
+            .to_owned();
+    }
+    let all = timed.into_iter().collect::<Vec<_>>().join(", ");
+    match (&filter.workload, &filter.needs) {
+        (Some(workload), None) => {
+            format!("nothing is timed on workload `{workload}`; timed are {all}")
+        }
+        (Some(workload), Some(needs)) => {
+            format!("{needs} is not timed on workload `{workload}`; timed are {all}")
+        }
+        (None, _) => {
+            format!("no workload is timed for all variants; name one with --workload, of {all}")
+        }
+    }
 }
 
 pub(crate) fn compare(arguments: &Cmp) -> Result<()> {

@@ -36,7 +36,15 @@ pub(crate) fn methods(names: &[String]) -> Result<Vec<&'static Entry>> {
     if names.is_empty() {
         return Ok(entries().iter().collect());
     }
-    names.iter().map(|name| method(name)).collect()
+    let mut methods: Vec<&'static Entry> = Vec::new();
+    for name in names {
+        let entry = method(name)?;
+        if methods.iter().any(|other| other.info.name == entry.info.name) {
+            bail!("method `{name}` is named twice; name each once with --methods");
+        }
+        methods.push(entry);
+    }
+    Ok(methods)
 }
 
 /// The method of that name.
@@ -52,7 +60,20 @@ pub(crate) fn meshes(subjects: &Subjects) -> Result<Vec<Mesh>> {
     if subjects.mesh.is_empty() {
         return Ok(vec![Mesh::bunny()]);
     }
-    subjects.mesh.iter().map(|path| load_mesh(path)).collect()
+    let mut meshes: Vec<Mesh> = Vec::new();
+    for path in &subjects.mesh {
+        let mesh = load_mesh(path)?;
+        // Workloads are told apart by the mesh's name.
+        if meshes.iter().any(|other| other.name == mesh.name) {
+            bail!(
+                "{}: a mesh named `{}` is given already; rename one of the files",
+                path.display(),
+                mesh.name
+            );
+        }
+        meshes.push(mesh);
+    }
+    Ok(meshes)
 }
 
 /// Loads a mesh, and says how many of its triangles are degenerate.

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use anyhow::Result;
 use trisect_harness::Settings;
-use trisect_harness::record::{Decisions, Error, Record, Records, Variant};
+use trisect_harness::record::{Decisions, Error, Quantiles, Record, Records, Variant};
 
 use crate::arguments::Verify;
 use crate::compare::command;
@@ -39,13 +39,18 @@ pub(crate) fn run(arguments: &Verify) -> Result<()> {
 
 /// The confusion table and the errors of t, workload by workload.
 fn table(records: &Records, out: &mut dyn Write) -> io::Result<()> {
+    let mut first = true;
+    let mut heading = None;
     for line in &records.lines {
         match line {
             Record::Workload(workload) => {
+                if !std::mem::take(&mut first) {
+                    writeln!(out)?;
+                }
                 writeln!(
                     out,
-                    "{}: {}\n{} rays, {} triangles, {:.3} % of the pairs hit; exact arithmetic \
-                     for {} of {} pairs\n",
+                    "{}: {}\n{} rays, {} triangles, {:.3} % of the pairs hit\n\
+                     exact arithmetic for {} of {} pairs\n",
                     workload.name,
                     workload.description,
                     workload.rays,
@@ -54,35 +59,37 @@ fn table(records: &Records, out: &mut dyn Write) -> io::Result<()> {
                     workload.oracle_exact,
                     workload.oracle_tests,
                 )?;
+                writeln!(out, "{:<32} {:>7} {:>7}   relative error of t", "", "false", "false")?;
                 writeln!(
                     out,
-                    "{:<38} {:>6} {:>6} {:>8} {:>8} {:>8}",
-                    "", "false", "false", "error", "of t", ""
+                    "{:<32} {:>7} {:>7} {:>8} {:>8} {:>8}",
+                    "", "hits", "misses", "median", "p99", "max"
                 )?;
-                writeln!(
-                    out,
-                    "{:<38} {:>6} {:>6} {:>8} {:>8} {:>8}",
-                    "method and variant", "hits", "misses", "median", "p99", "max"
-                )?;
+                heading = None;
             }
             Record::Decisions(decisions) => {
                 let errors = records.lines.iter().find_map(|line| match line {
-                    Record::Error(error) if of_t(error, decisions) => Some(error.relative),
+                    Record::Error(error) if of_t(error, decisions) => Some(error),
                     _ => None,
                 });
                 let (false_hits, false_misses) = wrong(decisions);
+                if heading != Some(&decisions.variant.method) {
+                    heading = Some(&decisions.variant.method);
+                    writeln!(out, "{}", decisions.variant.method)?;
+                }
                 let label = label(&decisions.variant);
-                let errors = errors.unwrap_or_default();
-                writeln!(
-                    out,
-                    "{label:<38} {false_hits:>6} {false_misses:>6} {:>8.1e} {:>8.1e} {:>8.1e}",
-                    errors.median, errors.p99, errors.max
-                )?;
+                write!(out, "  {label:<30} {false_hits:>7} {false_misses:>7}")?;
+                let numbers: [fn(&Quantiles) -> f64; 3] = [|q| q.median, |q| q.p99, |q| q.max];
+                for number in numbers {
+                    let number = errors.map_or_else(String::new, |error| shown(error, number));
+                    write!(out, " {number:>8}")?;
+                }
+                writeln!(out)?;
             }
             Record::Agreement(agreement) => {
                 writeln!(
                     out,
-                    "\n{}: all methods pick the same closest triangle for {} of {} rays;",
+                    "\n{}: all methods pick the same closest triangle for {} of {} rays",
                     agreement.precision, agreement.unanimous, agreement.rays
                 )?;
                 for differs in &agreement.differs_from_oracle {
@@ -91,9 +98,6 @@ fn table(records: &Records, out: &mut dyn Write) -> io::Result<()> {
                         "  {:<22} differs from the oracle on {}",
                         differs.method, differs.count
                     )?;
-                }
-                if agreement.precision == "f64" {
-                    writeln!(out)?;
                 }
             }
             _ => {}
@@ -110,6 +114,15 @@ fn of_t(error: &Error, decisions: &Decisions) -> bool {
         && error.variant == decisions.variant
 }
 
+/// One of the errors; a dash where there was nothing to compare.
+fn shown(error: &Error, of: fn(&Quantiles) -> f64) -> String {
+    match of(&error.relative) {
+        _ if error.count == 0 => "–".to_owned(),
+        0.0 => "0".to_owned(),
+        x => format!("{x:.1e}"),
+    }
+}
+
 /// False hits and false misses.
 fn wrong(decisions: &Decisions) -> (u64, u64) {
     let hits = decisions.classes.iter().filter(|row| !row.is_hit).map(|row| row.called_hit).sum();
@@ -117,12 +130,11 @@ fn wrong(decisions: &Decisions) -> (u64, u64) {
     (hits, misses)
 }
 
-/// Method, precision, width, arithmetic and division in 38 columns.
+/// Precision, width, arithmetic and division in 30 columns.
 fn label(variant: &Variant) -> String {
-    let newton = if variant.reciprocal == "newton" { "~" } else { "" };
+    let newton = if variant.reciprocal == "newton" { " newton" } else { "" };
     format!(
-        "{} {}×{}{} {}{newton}",
-        variant.method,
+        "{}×{}{} {}{newton}",
         variant.precision,
         variant.width,
         if variant.arithmetic == "fused" { " fused" } else { "" },

@@ -266,7 +266,7 @@ pub struct MethodCount {
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// The stream failed.
-    #[error("cannot read the record: {0}")]
+    #[error("cannot be read as a record")]
     Io(#[from] std::io::Error),
     /// The file has no line.
     #[error("the record is empty; make one with `trisect measure --output FILE`")]
@@ -283,12 +283,12 @@ pub enum ReadError {
         found: u64,
     },
     /// A line that is no record.
-    #[error("line {line}: {source}; the file is damaged, measure again")]
+    #[error("line {line}: {problem}; the file is damaged, measure again")]
     Line {
         /// Line number, from 1.
         line: usize,
-        /// What the parser said.
-        source: serde_json::Error,
+        /// What the parser said. Not a `source`: the message holds it already.
+        problem: serde_json::Error,
     },
 }
 
@@ -319,12 +319,12 @@ impl Records {
             return Err(ReadError::OtherVersion { found });
         }
         let header =
-            serde_json::from_value(head).map_err(|source| ReadError::Line { line: 1, source })?;
+            serde_json::from_value(head).map_err(|problem| ReadError::Line { line: 1, problem })?;
         let lines = lines
             .enumerate()
             .map(|(i, line)| {
                 serde_json::from_str(&line?)
-                    .map_err(|source| ReadError::Line { line: i + 2, source })
+                    .map_err(|problem| ReadError::Line { line: i + 2, problem })
             })
             .collect::<Result<_, _>>()?;
         Ok(Self { header, lines })

@@ -154,7 +154,7 @@ fn parse_csv(reader: impl Read) -> Result<RaysFile, RaysProblem> {
         header.iter().filter_map(|name| COLUMNS.iter().position(|column| column == name)).collect();
     let ordered = slots.len() == header.len() && slots.windows(2).all(|pair| pair[0] < pair[1]);
     if !ordered || !(0..6).all(|column| slots.contains(&column)) {
-        return Err(RaysProblem::Header { found: header.join(",") });
+        return Err(RaysProblem::Header { found: shown(&header.join(",")) });
     }
     while csv.read_record(&mut record).map_err(csv_problem)? {
         let line = record.position().map_or(0, csv::Position::line);
@@ -168,7 +168,7 @@ fn parse_csv(reader: impl Read) -> Result<RaysFile, RaysProblem> {
             let place = || format!("line {line}");
             (wide[slot], narrow[slot]) =
                 text.parse().ok().zip(text.parse().ok()).ok_or_else(|| {
-                    value_problem(place(), slot, format!("`{text}` is not a number"))
+                    value_problem(place(), slot, format!("`{}` is not a number", shown(text)))
                 })?;
             check(slot, narrow[slot], place, || format!("`{text}`"))?;
         }
@@ -176,6 +176,25 @@ fn parse_csv(reader: impl Read) -> Result<RaysFile, RaysProblem> {
         file.rays_f32.push(ray(narrow));
     }
     Ok(file)
+}
+
+/// What a file says, fit for a message of one line: a quoted field may hold line ends, and a file
+/// that is no CSV anything of any length.
+fn shown(text: &str) -> String {
+    const LONGEST: usize = 60;
+    let mut shown = String::new();
+    for (place, c) in text.chars().enumerate() {
+        if place == LONGEST {
+            shown.push('…');
+            break;
+        }
+        if c.is_control() {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
 }
 
 fn csv_problem(error: csv::Error) -> RaysProblem {

@@ -1,0 +1,389 @@
+//! What cannot be used is refused: one line on standard error that names the place and the mend,
+//! exit code 2, nothing on standard output, nothing written.
+
+mod common;
+
+use common::{CSV, Folder, OBJ};
+
+/// A command that must be refused.
+struct Case {
+    /// Files beside `mesh.obj` and `rays.csv`, which are sound.
+    files: Vec<(&'static str, Vec<u8>)>,
+    arguments: &'static str,
+    stdin: &'static str,
+    /// The whole line, without `trisect: `; `…` stands for what a system or a version says.
+    says: &'static str,
+}
+
+fn case(arguments: &'static str, says: &'static str) -> Case {
+    Case { files: Vec::new(), arguments, stdin: "", says }
+}
+
+impl Case {
+    fn file(mut self, name: &'static str, content: impl Into<Vec<u8>>) -> Self {
+        self.files.push((name, content.into()));
+        self
+    }
+
+    fn stdin(mut self, stdin: &'static str) -> Self {
+        self.stdin = stdin;
+        self
+    }
+}
+
+/// Whether `text` is `pattern`, in which each `…` stands for anything.
+fn matches(text: &str, pattern: &str) -> bool {
+    match pattern.split_once('…') {
+        None => text == pattern,
+        Some((head, rest)) => text.strip_prefix(head).is_some_and(|text| {
+            text.char_indices().any(|(i, _)| matches(&text[i..], rest)) || matches("", rest)
+        }),
+    }
+}
+
+fn refused(cases: Vec<Case>) {
+    for Case { files, arguments, stdin, says } in cases {
+        let folder = Folder::new();
+        for (name, content) in &files {
+            folder.write(name, content);
+        }
+        let before = folder.listing();
+        let run = folder.trisect(arguments, stdin.as_bytes());
+        let place = format!("trisect {arguments}\n{}", run.stderr);
+        assert_eq!(run.code, Some(2), "{place}");
+        assert_eq!(run.stdout, "", "{place}");
+        let line = run.stderr.strip_suffix('\n').and_then(|line| line.strip_prefix("trisect: "));
+        let line = line.unwrap_or_else(|| panic!("not one line of trisect's: {place}"));
+        assert!(!line.contains('\n'), "more than a line: {place}");
+        assert!(matches(line, says), "{place}instead of\ntrisect: {says}");
+        assert_eq!(folder.listing(), before, "{place}");
+    }
+}
+
+/// `trisect query` with a mesh of that name.
+macro_rules! query {
+    ($mesh:literal) => {
+        query!($mesh, "rays.csv")
+    };
+    ($mesh:literal, $rays:literal) => {
+        concat!("query --mesh ", $mesh, " --rays ", $rays, " --method wald")
+    };
+}
+
+#[test]
+fn meshes() {
+    let v = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
+               property float z\nelement face 1\nproperty list uchar int vertex_index\n\
+               end_header\n0 0 0\n1 0 0\n0 1 0\n";
+    let mut stl = vec![0; 80];
+    stl.extend(2_u32.to_le_bytes());
+    stl.extend([0; 50]);
+    refused(vec![
+        case(query!("none.obj"), "none.obj: cannot be read (…); check the path"),
+        case(
+            "query --mesh a\u{1b}b.obj --rays rays.csv --method wald",
+            "a\\u{1b}b.obj: cannot be read (…); check the path",
+        ),
+        case(query!("."), ".: unknown file type; known are .ply, .obj, .stl, .gltf and .glb"),
+        case(
+            query!("mesh.fbx"),
+            "mesh.fbx: unknown file type; known are .ply, .obj, .stl, .gltf and .glb",
+        )
+        .file("mesh.fbx", OBJ),
+        case(query!("m.obj"), "m.obj: the mesh has no triangles; export it with its faces")
+            .file("m.obj", v),
+        case(query!("m.obj"), "m.obj: the mesh has no triangles; export it with its faces")
+            .file("m.obj", ""),
+        case(query!("m.ply"), "m.ply: truncated: the header has no `end_header`; copy or export the file again").file("m.ply", ""),
+        case(query!("m.obj"), "m.obj: face 0 (line 5) has 4 corners; triangulate the mesh first")
+            .file("m.obj", format!("{v}v 1 1 0\nf 1 2 4 3\n")),
+        case(
+            query!("m.obj"),
+            "m.obj: face 0 (line 4): index 4 is out of range, the mesh has 3 vertices; re-export \
+             the mesh",
+        )
+        .file("m.obj", format!("{v}f 1 2 4\n")),
+        case(
+            query!("m.obj"),
+            "m.obj: vertex 1 (line 2): y is NaN; every coordinate must be a finite f32",
+        )
+        .file("m.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"),
+        case(
+            query!("m.obj"),
+            "m.obj: vertex 2 (line 3): z is inf; every coordinate must be a finite f32",
+        )
+        .file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 1e39\nf 1 2 3\n"),
+        case(query!("m.ply"), "m.ply: truncated: …; copy or export the file again")
+            .file("m.ply", ply),
+        case(query!("m.ply"), "m.ply: face 0 (line 13) has 4 corners; triangulate the mesh first")
+            .file("m.ply", format!("{ply}4 0 1 2 0\n")),
+        case(query!("m.stl"), "m.stl: truncated: …; copy or export the file again")
+            .file("m.stl", stl),
+        case(query!("m.gltf"), "m.gltf: truncated: …; copy or export the file again").file("m.gltf", "{"),
+        case(query!("m.glb"), "m.glb: truncated: the header promises 12 bytes, the file has 4; copy or export the file again").file("m.glb", "glTF"),
+        // Every verb that takes a mesh reads it before it does anything.
+        case(
+            "--mesh m.obj --rounds 1",
+            "m.obj: the mesh has no triangles; export it with its faces",
+        )
+        .file("m.obj", v),
+        case(
+            "measure --mesh m.obj --output new/record.jsonl",
+            "m.obj: the mesh has no triangles; export it with its faces",
+        )
+        .file("m.obj", v),
+        case("verify --mesh m.obj", "m.obj: the mesh has no triangles; export it with its faces")
+            .file("m.obj", v),
+        case(
+            "measure --mesh mesh.obj --mesh folder/mesh.obj --output record.jsonl",
+            "folder/mesh.obj: a mesh named `mesh` is given already; rename one of the files",
+        )
+        .file("folder/mesh.obj", OBJ),
+    ]);
+}
+
+#[test]
+fn rays() {
+    let header = "line 1: the header is `…`; write `ox,oy,oz,dx,dy,dz`, and `tmin`, `tmax` after \
+                  it where they are wanted";
+    let leak = |text: String| -> &'static str { text.leak() };
+    let csv = |content: &str, says: &str| {
+        case(query!("mesh.obj", "r.csv"), leak(format!("r.csv: {says}")))
+            .file("r.csv", content.as_bytes())
+    };
+    let line = |line: &str, says: &str| csv(&format!("ox,oy,oz,dx,dy,dz\n{line}\n"), says);
+    refused(vec![
+        case(query!("mesh.obj", "none.csv"), "none.csv: cannot be read (…); check the path"),
+        case(query!("mesh.obj", "r.txt"), "r.txt: unknown file type; known are .csv and .rays")
+            .file("r.txt", CSV),
+        csv("", header),
+        csv("0,0,0,0,0,1\n", header),
+        csv("ox,oy,oz,dx,dy\n0,0,0,0,0\n", header),
+        csv(
+            "\"ox\noy\",oz\n",
+            "line 1: the header is `ox\\noy,oz`; write `ox,oy,oz,dx,dy,dz`, and `tmin`, `tmax` \
+             after it where they are wanted",
+        ),
+        csv("ox,oy,oz,dx,dy,dz,time\n0,0,0,0,0,1,0\n", header),
+        csv("ox,oy,oz,dx,dz,dy\n0,0,0,0,0,1\n", header),
+        line("0,0,0,0,0", "line 2: 5 fields, the header names 6; write one for each column"),
+        line("0,0,0,0,0,1,2", "line 2: 7 fields, the header names 6; write one for each column"),
+        line("0,0,0,0,0,one", "line 2, dz: `one` is not a number; write a finite decimal number"),
+        line("0,nan,0,0,0,1", "line 2, oy: `nan` is not a number; write a finite decimal number"),
+        line(
+            "0,0,0,inf,0,1",
+            "line 2, dx: `inf` is not finite in f32; write a finite decimal number",
+        ),
+        line(
+            "0,0,0,1e39,0,1",
+            "line 2, dx: `1e39` is not finite in f32; write a finite decimal number",
+        ),
+        line(
+            "0,0,0,0,0,1\n0,0,,0,0,1",
+            "line 3, oz: `` is not a number; write a finite decimal number",
+        ),
+        csv(
+            "ox,oy,oz,dx,dy,dz,tmin,tmax\n0,0,0,0,0,1,0,nan\n",
+            "line 2, tmax: `nan` is not a number; write a decimal number or `inf`",
+        ),
+        case(
+            query!("mesh.obj", "-"),
+            "standard input: line 2, ox: `x` is not a number; write a finite decimal number",
+        )
+        .stdin("ox,oy,oz,dx,dy,dz\nx,0,0,0,0,1\n"),
+        case(
+            query!("mesh.obj", "r.csv"),
+            "r.csv: line 2: not text (UTF-8); write one ray of comma-separated numbers a line",
+        )
+        .file("r.csv", b"ox,oy,oz,dx,dy,dz\n\xff,0,0,0,0,1\n"),
+        case(
+            query!("mesh.obj", "r.rays"),
+            "r.rays: 2 rays need 68 bytes, the file has 36; copy or write the file again",
+        )
+        .file("r.rays", [vec![2, 0, 0, 0], vec![0; 32]].concat()),
+        case(
+            query!("mesh.obj", "r.rays"),
+            "r.rays: 0 rays need 4 bytes, the file has 0; copy or write the file again",
+        )
+        .file("r.rays", ""),
+        case(
+            query!("mesh.obj", "r.rays"),
+            "r.rays: ray 0, oz: NaN is not a number; write a finite decimal number",
+        )
+        .file(
+            "r.rays",
+            [1.0, 1.0, f32::NAN, 0.0, 0.0, 0.0, 1.0, 9.0]
+                .iter()
+                .fold(vec![1, 0, 0, 0], |bytes, x| [bytes, x.to_le_bytes().to_vec()].concat()),
+        ),
+        case("verify --mesh mesh.obj --rays r.csv", "r.csv: no rays; give at least one")
+            .file("r.csv", "ox,oy,oz,dx,dy,dz\n"),
+    ]);
+}
+
+#[test]
+fn arguments() {
+    refused(vec![
+        case(
+            "query --mesh mesh.obj --rays rays.csv --method plucker",
+            "unknown method `plucker`; `trisect list` shows them: moller-trumbore, …",
+        ),
+        case(
+            "--methods wald,plucker",
+            "unknown method `plucker`; `trisect list` shows them: moller-trumbore, …",
+        ),
+        case(
+            "measure --methods wald,wald --output new/record.jsonl",
+            "method `wald` is named twice; name each once with --methods",
+        ),
+        case(
+            "query --mesh mesh.obj --rays rays.csv --method wald --precision f64 --width 16",
+            "f64 has no width 16; use --width native or one of 1…",
+        ),
+        case(
+            "query --mesh mesh.obj --rays rays.csv --method wald --width 2",
+            "f32 has no width 2; use --width native or one of 1…",
+        ),
+        case(
+            "--output rays.csv/page",
+            "rays.csv/page: cannot write to this folder (…); name another with --output",
+        ),
+        case(
+            "measure --output rays.csv/record.jsonl",
+            "rays.csv: cannot write to this folder (…); name another with --output",
+        ),
+        case("measure --output folder", "folder: is a folder; name a file with --output")
+            .file("folder/something", ""),
+    ]);
+}
+
+#[test]
+fn clap_refuses_what_it_does_not_know() {
+    let query = "query --mesh mesh.obj --rays rays.csv";
+    let cases = [
+        (format!("{query} --method wald --precision f16"), "'--precision <PRECISION>'"),
+        (format!("{query} --method wald --width 3"), "'--width <WIDTH>'"),
+        (format!("{query} --method wald --division late"), "'--division <DIVISION>'"),
+        (format!("{query} --method wald --cull both"), "'--cull <CULL>'"),
+        (query.to_owned(), "--method <NAME>"),
+        ("measure --rounds 0".to_owned(), "'--rounds <N>'"),
+        ("measure --seed -1".to_owned(), "'-1'"),
+        ("verify --rays rays.csv".to_owned(), "--mesh <FILE>"),
+        ("rank record.jsonl --needs everything".to_owned(), "'--needs <NEEDS>'"),
+        ("--rounds 1 list".to_owned(), "list"),
+        ("intersect".to_owned(), "'intersect'"),
+    ];
+    let folder = Folder::new();
+    let before = folder.listing();
+    for (arguments, names) in cases {
+        let run = folder.trisect(&arguments, b"");
+        assert_eq!(run.code, Some(2), "{arguments}: {}", run.stderr);
+        assert_eq!(run.stdout, "", "{arguments}");
+        assert!(run.stderr.starts_with("error: "), "{arguments}: {}", run.stderr);
+        assert!(run.stderr.contains(names), "{arguments}: {}", run.stderr);
+        assert_eq!(folder.listing(), before, "{arguments}");
+    }
+}
+
+#[test]
+fn a_width_whose_instructions_the_processor_lacks() {
+    let folder = Folder::new();
+    for (precision, width) in [("f32", 16), ("f64", 8), ("f32", 8), ("f64", 4)] {
+        let run = folder.trisect(
+            &format!(
+                "query --mesh mesh.obj --rays rays.csv --method wald --precision {precision} \
+                 --width {width}"
+            ),
+            b"",
+        );
+        let widths = folder.trisect("list", b"").stdout;
+        let widths = widths
+            .lines()
+            .find_map(|line| line.strip_prefix(&format!("{precision} widths")))
+            .expect("`list` shows the widths");
+        if widths.split_whitespace().any(|here| here == width.to_string()) {
+            assert_eq!(run.code, Some(0), "{}", run.stderr);
+            assert_eq!(run.stdout.lines().count(), 2);
+        } else {
+            assert_eq!((run.code, run.stdout.as_str()), (Some(2), ""));
+            let says = if cfg!(any(target_arch = "x86", target_arch = "x86_64")) {
+                format!(
+                    "trisect: {precision} width {width} stands for …, which this processor lacks; \
+                     use --width native or one of 1…\n"
+                )
+            } else {
+                format!("trisect: {precision} has no width {width}; use --width native or …\n")
+            };
+            assert!(matches(&run.stderr, &says), "{}", run.stderr);
+        }
+    }
+}
+
+#[test]
+fn records() {
+    let sound = Folder::new().trisect("verify --mesh mesh.obj --methods wald --json", b"");
+    assert_eq!(sound.code, Some(0), "{}", sound.stderr);
+    let sound = sound.stdout;
+    let (header, rest) = sound.split_once('\n').expect("a record has lines");
+    let other = sound.replacen("\"schema\":1", "\"schema\":2", 1);
+    assert_ne!(other, sound, "the header names its schema");
+    let cut = &sound[..header.len() + 30];
+    let damaged = [
+        ("", "the record is empty; make one with `trisect measure --output FILE`"),
+        (
+            "# notes\n",
+            "line 1 is not a record header; make a record with `trisect measure --output FILE`",
+        ),
+        (rest, "line 1 is not a record header; make a record with `trisect measure --output FILE`"),
+        (
+            other.as_str(),
+            "line 1: the record has schema 2, this trisect reads schema 1; measure again with \
+             this version",
+        ),
+        (cut, "line 2: …; the file is damaged, measure again"),
+        ("{\"kind\":\"header\",\"schema\":1}\n", "line 1: …; the file is damaged, measure again"),
+    ];
+    let verbs = [
+        "rank r.jsonl",
+        "cmp r.jsonl sound.jsonl",
+        "cmp sound.jsonl r.jsonl",
+        "report r.jsonl --output page",
+    ];
+    for verb in verbs {
+        let cases = damaged.iter().map(|(content, says)| {
+            case(verb, format!("r.jsonl: {says}").leak())
+                .file("r.jsonl", content.as_bytes())
+                .file("sound.jsonl", sound.as_bytes())
+        });
+        refused(cases.collect());
+    }
+    refused(vec![
+        case("rank r.jsonl", "r.jsonl: cannot be read as a record: …")
+            .file("r.jsonl", b"\xff\xfe\n"),
+        case("rank none.jsonl", "none.jsonl: cannot be read (…); check the path"),
+        case("report none.jsonl", "none.jsonl: cannot be read (…); check the path"),
+        case("cmp none.jsonl none.jsonl", "none.jsonl: cannot be read (…); check the path"),
+        case(
+            "rank r.jsonl",
+            "r.jsonl: nothing in this record is timed; make one with `trisect measure --output \
+             FILE`",
+        )
+        .file("r.jsonl", sound.as_bytes()),
+        case(
+            "report r.jsonl --output rays.csv/page",
+            "rays.csv/page: cannot write to this folder (…); name another with --output",
+        )
+        .file("r.jsonl", sound.as_bytes()),
+    ]);
+}
+
+#[test]
+fn degenerate_triangles_are_counted_and_never_hit() {
+    let folder = Folder::new();
+    folder.write("m.obj", format!("{OBJ}f 1 1 2\nf 2 2 2\n").as_bytes());
+    let run = folder.trisect(query!("m.obj"), b"");
+    assert_eq!(run.code, Some(0));
+    assert_eq!(run.stderr, "m.obj: 2 of 4 triangles are degenerate and never hit\n");
+    assert_eq!(run.stdout, folder.trisect(query!("mesh.obj"), b"").stdout);
+}

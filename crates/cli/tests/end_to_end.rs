@@ -1,0 +1,188 @@
+//! From rays to answers, and from a measurement to a page.
+
+mod common;
+
+use std::fs;
+use std::io::{BufRead as _, BufReader, Read as _};
+
+use common::{CSV, Folder};
+
+const QUERY: &str = "query --mesh mesh.obj --method moller-trumbore --rays";
+
+#[test]
+fn csv_binary_and_standard_input_give_the_same_answers() {
+    let folder = Folder::new();
+    let rays = trisect_workloads::read_rays_csv("rays", CSV.as_bytes()).expect("sound");
+    let mut binary = Vec::new();
+    trisect_workloads::write_rays_binary(&mut binary, &rays.rays_f32).expect("into memory");
+    folder.write("rays.rays", &binary);
+    let from_csv = folder.trisect(&format!("{QUERY} rays.csv"), b"");
+    assert_eq!((from_csv.code, from_csv.stderr.as_str()), (Some(0), ""));
+    assert_eq!(
+        from_csv.stdout,
+        "{\"ray\":0,\"hit\":true,\"triangle\":0,\"t\":3.0,\"beta\":0.25,\"gamma\":0.5}\n\
+         {\"ray\":1,\"hit\":false}\n"
+    );
+    let from_binary = folder.trisect(&format!("{QUERY} rays.rays"), b"");
+    assert_eq!(from_binary.stdout, from_csv.stdout);
+    let from_stdin = folder.trisect(&format!("{QUERY} -"), CSV.as_bytes());
+    assert_eq!(from_stdin.stdout, from_csv.stdout);
+}
+
+#[test]
+fn no_rays_have_no_answers() {
+    let folder = Folder::new();
+    folder.write("none.rays", &[0; 4]);
+    for method in ["wald", "oracle"] {
+        for rays in ["-", "none.rays"] {
+            let arguments = format!("query --mesh mesh.obj --method {method} --rays {rays}");
+            let run = folder.trisect(&arguments, b"ox,oy,oz,dx,dy,dz\n");
+            assert_eq!((run.code, run.stdout.as_str(), run.stderr.as_str()), (Some(0), "", ""));
+        }
+    }
+}
+
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let folder = Folder::new();
+    // More than a pipe holds.
+    let rays = format!("ox,oy,oz,dx,dy,dz\n{}", "0.25,0.5,-3,0,0,1\n".repeat(20_000));
+    folder.write("many.csv", rays.as_bytes());
+    let many = format!("{QUERY} many.csv");
+    for arguments in [many.as_str(), "list", "completions bash", "verify --json"] {
+        let mut child = folder.command(arguments).spawn().expect("just built");
+        let mut first = String::new();
+        let mut stdout = BufReader::new(child.stdout.take().expect("it is piped"));
+        if arguments == many {
+            stdout.read_line(&mut first).expect("it answers");
+            assert!(first.starts_with("{\"ray\":0"), "{first}");
+        }
+        drop(stdout);
+        let mut stderr = String::new();
+        child
+            .stderr
+            .take()
+            .expect("it is piped")
+            .read_to_string(&mut stderr)
+            .expect("trisect prints UTF-8");
+        let status = child.wait().expect("it ends");
+        assert_eq!((status.code(), stderr.as_str()), (Some(0), ""), "{arguments}");
+    }
+}
+
+/// A record without what the clock says.
+fn timeless(record: &str) -> Vec<serde_json::Value> {
+    let mut lines: Vec<serde_json::Value> = record
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("a record is JSON lines"))
+        .collect();
+    lines[0]["started"].take();
+    lines[0]["machine"]["core_ghz"].take();
+    // How many processors the process may use is what the threads are counted by.
+    lines
+}
+
+#[test]
+fn answers_do_not_depend_on_the_number_of_threads() {
+    let folder = Folder::new();
+    let run = |threads: &str| {
+        let mut command = folder.command("verify --json --seed 3 --mesh mesh.obj");
+        command.env("RAYON_NUM_THREADS", threads);
+        let run = folder.run(command, b"");
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        timeless(&run.stdout)
+    };
+    let one = run("1");
+    assert!(one.len() > 100, "{} lines show little", one.len());
+    assert_eq!(one, run("2"));
+    let other = timeless(&folder.trisect("verify --json --seed 4 --mesh mesh.obj", b"").stdout);
+    assert_ne!(one[1..], other[1..], "the seed plays no part");
+}
+
+/// Holds a folder to be a whole page: every figure it names is there and is XML.
+fn is_a_page(folder: &Folder, name: &str) {
+    let path = folder.path().join(name);
+    let page = fs::read_to_string(path.join("index.html")).expect("a page has an index");
+    assert!(page.starts_with("<!DOCTYPE html>"), "{}", &page[..60.min(page.len())]);
+    assert!(page.trim_end().ends_with("</html>"));
+    for tag in ["table", "figure", "section", "svg", "pre"] {
+        let opened =
+            page.matches(&format!("<{tag}>")).count() + page.matches(&format!("<{tag} ")).count();
+        assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "<{tag}>");
+    }
+    let figures: Vec<_> = fs::read_dir(path.join("figures"))
+        .expect("a page has figures")
+        .map(|figure| figure.expect("just written").path())
+        .collect();
+    assert!(!figures.is_empty());
+    for figure in figures {
+        let text = fs::read_to_string(&figure).expect("a figure is text");
+        let document = roxmltree::Document::parse(&text).expect("a figure is XML");
+        assert!(document.root_element().has_tag_name(("http://www.w3.org/2000/svg", "svg")));
+    }
+}
+
+/// One test, as the measurement is what takes its time.
+#[test]
+fn a_measurement_becomes_a_record_a_ranking_a_comparison_and_a_page() {
+    let folder = Folder::new();
+    let what = "--methods moller-trumbore --rounds 1 --mesh mesh.obj";
+    let before = folder.listing();
+    let run = folder.trisect(&format!("measure {what} --output made/record.jsonl"), b"");
+    assert_eq!((run.code, run.stdout.as_str(), run.stderr.as_str()), (Some(0), "", ""));
+    let mut expected = before;
+    expected.extend(["made".to_owned(), "made/record.jsonl".to_owned()]);
+    assert_eq!(folder.listing(), expected);
+
+    let ranking = folder.trisect("rank made/record.jsonl", b"");
+    assert_eq!((ranking.code, ranking.stderr.as_str()), (Some(0), ""));
+    assert!(ranking.stdout.contains("\n   1  1.00× ") || ranking.stdout.contains("\n   1  1."));
+    assert!(ranking.stdout.lines().all(|line| line.chars().count() <= 80), "{}", ranking.stdout);
+    let json = folder.trisect("rank made/record.jsonl --json --needs t --workload random", b"");
+    let json: serde_json::Value = serde_json::from_str(&json.stdout).expect("JSON");
+    assert_eq!(json["workloads"], serde_json::json!(["random"]));
+    let entries = json["entries"].as_array().expect("a list");
+    assert!(!entries.is_empty());
+    assert!(entries.iter().all(|entry| entry["variant"]["needs"] == "t"));
+    let none = folder.trisect("rank made/record.jsonl --workload teapot", b"");
+    assert_eq!((none.code, none.stdout.as_str()), (Some(2), ""));
+    assert!(
+        none.stderr.starts_with(
+            "trisect: made/record.jsonl: nothing is timed on workload `teapot`; timed are "
+        ) && none.stderr.contains("mesh/primary"),
+        "{}",
+        none.stderr
+    );
+
+    let same = folder.trisect("cmp made/record.jsonl made/record.jsonl --json", b"");
+    assert_eq!((same.code, same.stderr.as_str()), (Some(0), ""));
+    let same: serde_json::Value = serde_json::from_str(&same.stdout).expect("JSON");
+    assert_eq!(same["geometric_mean"], 1.0);
+    assert_eq!(same["errors_that_differ"], serde_json::json!([]));
+
+    let report = folder.trisect("report made/record.jsonl --output page", b"");
+    assert_eq!((report.code, report.stderr.trim()), (Some(0), "page    page/index.html"));
+    is_a_page(&folder, "page");
+    assert!(report.stdout.contains("moller-trumbore"), "{}", report.stdout);
+    assert!(report.stdout.lines().all(|line| line.chars().count() <= 80), "{}", report.stdout);
+    assert!(!folder.path().join("reports").exists(), "nobody asked for it");
+    let report = folder.trisect("report made/record.jsonl", b"");
+    assert_eq!(report.code, Some(0), "{}", report.stderr);
+    is_a_page(&folder, "reports/latest");
+}
+
+#[test]
+fn without_a_verb_everything_is_written_where_it_is_asked_for() {
+    let folder = Folder::new();
+    let what = "--methods moller-trumbore --rounds 1 --mesh mesh.obj --output here";
+    let run = folder.trisect(what, b"");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let written = ["page    here/index.html", "record  here/record.jsonl"];
+    assert_eq!(run.stderr.trim().lines().collect::<Vec<_>>(), written);
+    assert!(run.stdout.contains("moller-trumbore"), "{}", run.stdout);
+    assert!(run.stdout.lines().all(|line| line.chars().count() <= 80), "{}", run.stdout);
+    is_a_page(&folder, "here");
+    assert!(!folder.path().join("reports").exists(), "nobody asked for it");
+    let ranking = folder.trisect("rank here/record.jsonl --json", b"");
+    assert_eq!(ranking.code, Some(0), "{}", ranking.stderr);
+}

@@ -1,0 +1,201 @@
+//! `docs/ADDING-A-METHOD.md`, followed to the letter in a copy of the workspace.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+const NAME: &str = "unit-triangle";
+
+/// A fenced block of the page: what its info string says beside the language, and its text.
+struct Block {
+    mark: String,
+    text: String,
+}
+
+/// The blocks whose info string marks them with `key=`.
+fn blocks(page: &str, key: &str) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    let mut lines = page.lines();
+    while let Some(line) = lines.next() {
+        let fence: String = line.chars().take_while(|&c| c == '`').collect();
+        if fence.len() < 3 {
+            continue;
+        }
+        let text: String = lines
+            .by_ref()
+            .take_while(|line| *line != fence)
+            .flat_map(|line| [line, "\n"])
+            .collect();
+        if let Some((_, mark)) = line.split_once(&format!(" {key}=")) {
+            blocks.push(Block { mark: mark.to_owned(), text });
+        }
+    }
+    blocks
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// A copy of the workspace that keeps the times of files that have not changed, so that what was
+/// built before stays built.
+struct Copy {
+    root: PathBuf,
+    /// What belongs there; everything else of an earlier copy is removed.
+    files: BTreeSet<PathBuf>,
+}
+
+impl Copy {
+    fn new(root: PathBuf) -> Self {
+        Self { root, files: BTreeSet::new() }
+    }
+
+    fn write(&mut self, path: &Path, content: &[u8]) {
+        let to = self.root.join(path);
+        if fs::read(&to).ok().as_deref() != Some(content) {
+            fs::create_dir_all(to.parent().expect("a file lies in a folder"))
+                .and_then(|()| fs::write(&to, content))
+                .expect("the target folder can be written");
+        }
+        self.files.insert(path.to_owned());
+    }
+
+    /// Copies the folder `path`, without what is built, recorded or hidden.
+    fn copy(&mut self, from: &Path, path: &Path) {
+        for entry in fs::read_dir(from.join(path)).expect("the workspace can be read") {
+            let entry = entry.expect("the workspace can be read");
+            let name = entry.file_name();
+            let hidden = name.to_string_lossy().starts_with('.');
+            let skipped = path == Path::new("")
+                && ["target", "reports", "shared"].iter().any(|skipped| name == *skipped);
+            let path = path.join(&name);
+            let kind = entry.file_type().expect("the workspace can be read");
+            if hidden || skipped {
+                continue;
+            }
+            if kind.is_dir() {
+                self.copy(from, &path);
+            } else if kind.is_file() {
+                let content = fs::read(entry.path()).expect("the workspace can be read");
+                self.write(&path, &content);
+            }
+        }
+    }
+
+    fn remove_others(&self, path: &Path) {
+        for entry in fs::read_dir(self.root.join(path)).expect("just written") {
+            let entry = entry.expect("just written");
+            let path = path.join(entry.file_name());
+            if entry.path().is_dir() {
+                self.remove_others(&path);
+            } else if !self.files.contains(&path) {
+                fs::remove_file(entry.path()).expect("the target folder can be written");
+            }
+        }
+    }
+
+    /// Runs cargo there; offline, as the workspace that this test is part of is built already.
+    fn cargo(&self, arguments: &[&str]) -> Output {
+        let (verb, rest) = arguments.split_first().expect("cargo is told what to do");
+        let output = Command::new(env!("CARGO"))
+            .arg(verb)
+            .args(["--offline", "--quiet"])
+            .args(rest)
+            .current_dir(&self.root)
+            .env("CARGO_TARGET_DIR", self.root.with_file_name("target"))
+            // What is compiled here runs for seconds: compiling it well would take minutes.
+            .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
+            .env("CARGO_PROFILE_DEV_DEBUG", "0")
+            .env_remove("TRISECT_BLESS")
+            .output()
+            .expect("cargo runs this test, and so can be run");
+        assert!(
+            output.status.success(),
+            "cargo {}: {}\n{}{}",
+            arguments.join(" "),
+            output.status,
+            String::from_utf8_lossy(&output.stdout),
+            String::from_utf8_lossy(&output.stderr)
+        );
+        output
+    }
+}
+
+#[test]
+fn the_page_adds_a_method_by_one_crate_and_one_line() {
+    let page = fs::read_to_string(root().join("docs/ADDING-A-METHOD.md")).expect("the page");
+    let mut copy =
+        Copy::new(Path::new(env!("CARGO_TARGET_TMPDIR")).join("adding-a-method/workspace"));
+    copy.copy(&root(), Path::new(""));
+
+    let files = blocks(&page, "file");
+    for file in &files {
+        assert!(
+            file.mark.starts_with(&format!("crates/methods/{NAME}/")),
+            "{}: a method is one crate",
+            file.mark
+        );
+        copy.write(Path::new(&file.mark), file.text.as_bytes());
+    }
+    assert_eq!(files.len(), 4, "manifest, method, conformance tests, README");
+    let lines = blocks(&page, "line");
+    let [line] = lines.as_slice() else { panic!("a method is one line") };
+    assert_eq!(line.text.lines().count(), 1, "a method is one line");
+    let manifest = fs::read_to_string(root().join(&line.mark)).expect("the catalogue's manifest");
+    let (head, tail) = manifest.split_once("\n[lints]").expect("a section after the methods");
+    copy.write(
+        Path::new(&line.mark),
+        format!("{}\n{}\n[lints]{tail}", head.trim_end(), line.text).as_bytes(),
+    );
+    copy.remove_others(Path::new(""));
+
+    let crate_name = format!("trisect-{NAME}");
+    let tests = copy.cargo(&["test", "-p", &crate_name]);
+    let tests = String::from_utf8_lossy(&tests.stdout);
+    assert!(tests.contains("test result: ok. 15 passed"), "not all properties ran:\n{tests}");
+
+    let list = copy.cargo(&["run", "-p", "trisect-cli", "--", "list", "--json"]);
+    let list: serde_json::Value = serde_json::from_slice(&list.stdout).expect("JSON");
+    let names: Vec<_> =
+        list["methods"].as_array().expect("a list").iter().map(|m| &m["name"]).collect();
+    let before = trisect_catalog::entries().len();
+    assert_eq!(names.len(), before + 1, "{names:?}");
+    assert_eq!(names[before], NAME);
+
+    copy_and_query(&copy);
+}
+
+/// A ray at (0.25, 0.5) of the unit triangle, three units away.
+fn copy_and_query(copy: &Copy) {
+    let folder = copy.root.with_file_name("query");
+    fs::create_dir_all(&folder).expect("the target folder can be written");
+    let (mesh, rays) = (folder.join("unit.obj"), folder.join("rays.csv"));
+    fs::write(&mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        .and_then(|()| fs::write(&rays, "ox,oy,oz,dx,dy,dz\n0.25,0.5,-3,0,0,1\n1,1,-3,0,0,1\n"))
+        .expect("the target folder can be written");
+    let [mesh, rays] = [&mesh, &rays].map(|path| path.to_str().expect("a path in UTF-8"));
+    for division in ["early", "deferred"] {
+        let answer = copy.cargo(&[
+            "run",
+            "-p",
+            "trisect-cli",
+            "--",
+            "query",
+            "--mesh",
+            mesh,
+            "--rays",
+            rays,
+            "--method",
+            NAME,
+            "--division",
+            division,
+        ]);
+        assert_eq!(
+            String::from_utf8_lossy(&answer.stdout),
+            "{\"ray\":0,\"hit\":true,\"triangle\":0,\"t\":3.0,\"beta\":0.25,\"gamma\":0.5}\n\
+             {\"ray\":1,\"hit\":false}\n",
+            "{division}"
+        );
+    }
+}

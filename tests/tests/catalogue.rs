@@ -1,0 +1,166 @@
+//! What holds for every compiled kernel of every method.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use trisect_catalog::{Finder, Kernels, Scene, entries};
+use trisect_core::{Culling, Precision, Ray, Triangle};
+use trisect_workloads::{Mesh, Workload};
+
+/// Every hit of a finder: ray, triangle, and the bits of `t`, `beta`, `gamma`.
+type Answers = Vec<(usize, u32, [u64; 3])>;
+
+fn answers(finder: &Finder, scene: &Scene) -> Answers {
+    let mut answers = Vec::new();
+    finder.find(scene, Culling::None, &mut |ray, triangle, hit| {
+        answers.push((ray, triangle, [hit.t, hit.beta, hit.gamma].map(f64::to_bits)));
+        ControlFlow::Continue(())
+    });
+    answers.sort_unstable();
+    answers
+}
+
+fn workloads() -> Vec<Workload> {
+    let teapot = Path::new(env!("CARGO_MANIFEST_DIR")).join("../data/meshes/teapot.ply");
+    let teapot = Mesh::load(teapot).expect("the mesh that the project ships is sound");
+    vec![
+        trisect_workloads::random(7, 100, 1_003),
+        trisect_workloads::primary(&teapot, 12, 12),
+        trisect_workloads::random_through_box(7, &teapot, 50),
+        trisect_workloads::hit_rate(7, 30, 50, 333),
+        trisect_workloads::hit_rate(7, 100, 33, 77),
+    ]
+}
+
+/// Something to hold for the kernels of one method and precision.
+trait Property {
+    fn check<E: Precision>(
+        kernels: &Kernels<E>,
+        triangles: &[Triangle<E>],
+        rays: &[Ray<E>],
+        place: &str,
+    );
+}
+
+fn for_all<P: Property>() {
+    assert!(entries().len() >= 4, "the catalogue lost methods");
+    for workload in workloads() {
+        let Workload { name, rays, triangles, .. } = workload;
+        let rays64: Vec<Ray<f64>> = rays.iter().map(|&ray| ray.into()).collect();
+        let triangles64: Vec<Triangle<f64>> = triangles.iter().map(|&t| t.into()).collect();
+        for entry in entries() {
+            let place = format!("{} on {name}", entry.info.name);
+            P::check(&entry.f32, &triangles, &rays, &place);
+            P::check(&entry.f64, &triangles64, &rays64, &place);
+        }
+    }
+}
+
+struct EveryWidthHasTheScalarBits;
+
+impl Property for EveryWidthHasTheScalarBits {
+    fn check<E: Precision>(
+        kernels: &Kernels<E>,
+        triangles: &[Triangle<E>],
+        rays: &[Ray<E>],
+        place: &str,
+    ) {
+        let scene = (kernels.prepare)(triangles, rays);
+        for division in ["early", "deferred"] {
+            let scalar = kernels.plain_finder(Some(1), division).expect("scalars are everywhere");
+            let expected = answers(scalar, &scene);
+            assert!(!expected.is_empty(), "{place}: a workload without hits shows nothing");
+            let wide = kernels.finders.iter().filter(|finder| {
+                let variant = finder.variant;
+                variant.lane.width > 1
+                    && variant.lane.arithmetic == "plain"
+                    && variant.lane.instruction_set.is_available()
+                    && (variant.division, variant.reciprocal) == (division, "true")
+            });
+            for finder in wide {
+                let found = answers(finder, &scene);
+                let differs = found.iter().zip(&expected).find(|(a, b)| a != b);
+                assert!(
+                    found.len() == expected.len() && differs.is_none(),
+                    "{place}, {:?}: {} hits, the scalar {}; first difference {differs:?}",
+                    finder.variant,
+                    found.len(),
+                    expected.len()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn every_width_has_the_scalar_bits() {
+    for_all::<EveryWidthHasTheScalarBits>();
+}
+
+struct TimedKernelsCountTheFindersHits;
+
+impl Property for TimedKernelsCountTheFindersHits {
+    fn check<E: Precision>(
+        kernels: &Kernels<E>,
+        triangles: &[Triangle<E>],
+        rays: &[Ray<E>],
+        place: &str,
+    ) {
+        let scene = (kernels.prepare)(triangles, rays);
+        for finder in &kernels.finders {
+            if !finder.variant.lane.instruction_set.is_available() {
+                continue;
+            }
+            let expected = answers(finder, &scene).len() as u64;
+            let timed: Vec<_> =
+                kernels.timed.iter().filter(|kernel| kernel.variant == finder.variant).collect();
+            assert!(!timed.is_empty(), "{place}, {:?}: nothing timed", finder.variant);
+            for kernel in timed {
+                let tally = kernel.run(&scene);
+                assert_eq!(
+                    tally.hits,
+                    expected,
+                    "{place}, {:?}, {}, {}, early-out {}",
+                    kernel.variant,
+                    kernel.arrangement.name(),
+                    kernel.needs,
+                    kernel.early_out
+                );
+                assert_eq!(tally.sum == 0.0, kernel.needs == "occlusion", "{place}: {tally:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn timed_kernels_count_the_hits_of_their_finders() {
+    for_all::<TimedKernelsCountTheFindersHits>();
+}
+
+#[test]
+fn every_timed_variant_has_a_finder() {
+    for entry in entries() {
+        let pairs =
+            [(&entry.f32.timed, &entry.f32.finders), (&entry.f64.timed, &entry.f64.finders)];
+        for (timed, finders) in pairs {
+            for kernel in timed {
+                assert!(
+                    finders.iter().any(|finder| finder.variant == kernel.variant),
+                    "{}: {:?}",
+                    entry.info.name,
+                    kernel.variant
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn names_are_unique_and_can_be_typed() {
+    let names: Vec<&str> = entries().iter().map(|entry| entry.info.name).collect();
+    for (i, name) in names.iter().enumerate() {
+        assert!(!names[..i].contains(name), "two methods are called {name}");
+        assert!(name.bytes().all(|b| b.is_ascii_lowercase() || b == b'-'), "{name}");
+        assert_ne!(*name, "oracle", "the name that stands for the exact truth");
+    }
+}

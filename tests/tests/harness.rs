@@ -1,0 +1,56 @@
+//! The same seed gives the same record.
+
+use trisect_catalog::entries;
+use trisect_harness::record::{Family, Records};
+use trisect_harness::{Progress, Settings, Task, measure};
+use trisect_workloads::{Mesh, MeshFormat, Workload};
+
+struct Silent;
+
+impl Progress for Silent {
+    fn phase(&mut self, _name: &str, _steps: u64) {}
+    fn step(&mut self) {}
+}
+
+fn task(workload: Workload, family: Family) -> Task {
+    let Workload { name, description, rays, triangles } = workload;
+    Task { name, description, family, rays, triangles: triangles.to_vec(), timed_rays: 16 }
+}
+
+fn run(seed: u64) -> Records {
+    let obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
+    let mesh = Mesh::from_bytes("corner", MeshFormat::Obj, obj).expect("sound");
+    let settings = Settings {
+        command: "trisect verify".to_owned(),
+        seed,
+        rounds: 0,
+        methods: entries().iter().collect(),
+        timed: false,
+    };
+    let tasks = [
+        task(trisect_workloads::random(seed, 64, 64), Family::Random),
+        task(trisect_workloads::random_through_box(seed, &mesh, 64), Family::Mesh),
+    ];
+    measure(&settings, tasks, &mut Silent).expect("answers are right")
+}
+
+#[test]
+fn records_of_one_seed_differ_in_the_clock_alone() {
+    let (first, mut second) = (run(5), run(5));
+    second.header.started.clone_from(&first.header.started);
+    second.header.machine.core_ghz = first.header.machine.core_ghz;
+    assert_eq!(first, second);
+    assert_ne!(first.lines, run(6).lines, "the seed plays no part");
+}
+
+#[test]
+fn a_record_reads_back_as_it_was_written() {
+    let records = run(5);
+    let mut file = Vec::new();
+    records.write(&mut file).expect("memory can be written");
+    let read = Records::read(file.as_slice()).expect("just written");
+    assert_eq!(read, records);
+    let mut again = Vec::new();
+    read.write(&mut again).expect("memory can be written");
+    assert_eq!(file, again);
+}
