@@ -48,16 +48,8 @@ pub(crate) fn write_file(
     file: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<()> {
-    let context = || format!("{}: cannot write", file.display());
-    let mut beside = tempfile::Builder::new()
-        .prefix(".trisect-")
-        .tempfile_in(folder_of(file))
-        .with_context(context)?;
-    let mut buffered = BufWriter::new(beside.as_file_mut());
-    write(&mut buffered).and_then(|()| buffered.flush()).with_context(context)?;
-    drop(buffered);
-    beside.persist(file).with_context(context)?;
-    Ok(())
+    trisect_harness::file::replace(file, write)
+        .with_context(|| format!("{}: cannot write", file.display()))
 }
 
 /// Prints through a buffer.

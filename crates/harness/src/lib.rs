@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod answers;
+pub mod file;
 pub mod machine;
 mod measure;
 pub mod record;

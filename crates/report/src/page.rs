@@ -69,17 +69,9 @@ pub fn write_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
     Ok(Page { index, figures: paths })
 }
 
-/// Writes beside the place, then renames.
 fn replace(path: &Path, text: &str) -> Result<(), PageError> {
-    let mut beside = path.as_os_str().to_owned();
-    beside.push(format!(".{}.part", std::process::id()));
-    let beside = PathBuf::from(beside);
-    let fail = |source| PageError::Write { path: path.to_path_buf(), source };
-    fs::write(&beside, text).and_then(|()| fs::rename(&beside, path)).map_err(|source| {
-        // The part is of no use to anyone; that it may stay behind is the lesser trouble.
-        let _ = fs::remove_file(&beside);
-        fail(source)
-    })
+    trisect_harness::file::replace(path, |out| out.write_all(text.as_bytes()))
+        .map_err(|source| PageError::Write { path: path.to_path_buf(), source })
 }
 
 /// The page and its files in memory.
