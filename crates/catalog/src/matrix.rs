@@ -2,7 +2,7 @@
 //!
 //! A width stands for the instruction set that it is native to. Timed kernels are compiled for
 //! the scalar and for each instruction set with fused multiply-add where there is one; in plain
-//! arithmetic beside it only what shows the difference. Finders are compiled for every native
+//! arithmetic beside it only what shows the difference; asked for less than a whole hit in f32 alone. Finders are compiled for every native
 //! lane type, plain and fused.
 
 use std::marker::PhantomData;
@@ -41,8 +41,10 @@ impl<M: Method> LanesVisitor for Collect<M> {
         }
         if const { !has_fused_twin::<L>() } {
             self.divisions::<L, Barycentrics>(Arrangement::OneTriangle);
-            self.divisions::<L, Distance>(Arrangement::OneRay);
-            self.divisions::<L, Occlusion>(Arrangement::OneRay);
+            if const { size_of::<L::Elem>() == 4 } {
+                self.divisions::<L, Distance>(Arrangement::OneRay);
+                self.divisions::<L, Occlusion>(Arrangement::OneRay);
+            }
         }
     }
 }

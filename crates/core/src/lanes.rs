@@ -123,11 +123,16 @@ pub trait Float: Scalar + SimdFloatElement {
     fn bits64(self) -> u64;
 }
 
-/// The scalar implementations: plain arithmetic, since a fused multiply-add outside the
-/// instructions that have it is a library call.
-macro_rules! scalar {
-    ($float:ident, $bits:ident) => {
-        impl Number for $float {
+/// Implements [`Number`] and [`Lanes`] for a number of width 1 with operators and `PartialOrd`:
+/// floats here, exact and counting numbers elsewhere. The braces hold what is its own:
+/// `reciprocal_estimate` and `xor_sign`.
+///
+/// Arithmetic is plain: a fused multiply-add outside the instructions that have it is a library
+/// call.
+#[macro_export]
+macro_rules! single_lane {
+    ($number:ty { $($own:tt)* }) => {
+        impl $crate::Number for $number {
             #[inline(always)]
             fn mul_add(self, b: Self, c: Self) -> Self {
                 self * b + c
@@ -138,7 +143,7 @@ macro_rules! scalar {
             }
         }
 
-        impl Lanes for $float {
+        impl $crate::Lanes for $number {
             type Elem = Self;
             type Mask = bool;
             type Token = ();
@@ -160,20 +165,12 @@ macro_rules! scalar {
             #[inline(always)]
             fn token(self) {}
             #[inline(always)]
-            fn reciprocal_estimate(self) -> Self {
-                1.0 / self
-            }
-            #[inline(always)]
             fn lt(self, b: Self) -> bool {
                 self < b
             }
             #[inline(always)]
             fn le(self, b: Self) -> bool {
                 self <= b
-            }
-            #[inline(always)]
-            fn xor_sign(self, s: Self) -> Self {
-                Self::from_bits(self.to_bits() ^ (s.to_bits() & <Self as Float>::SIGN))
             }
             #[inline(always)]
             fn select(m: bool, a: Self, b: Self) -> Self {
@@ -187,7 +184,23 @@ macro_rules! scalar {
             fn bits(m: bool) -> u64 {
                 u64::from(m)
             }
+            $($own)*
         }
+    };
+}
+
+macro_rules! scalar {
+    ($float:ident, $bits:ident) => {
+        single_lane!($float {
+            #[inline(always)]
+            fn reciprocal_estimate(self) -> Self {
+                1.0 / self
+            }
+            #[inline(always)]
+            fn xor_sign(self, s: Self) -> Self {
+                Self::from_bits(self.to_bits() ^ (s.to_bits() & <Self as Float>::SIGN))
+            }
+        });
 
         impl Scalar for $float {
             #[allow(

@@ -6,7 +6,7 @@ use core::fmt;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 use dashu_ratio::RBig;
-use trisect_core::{Lanes, Number, Scalar};
+use trisect_core::Scalar;
 
 thread_local! {
     static ARENA: RefCell<Vec<RBig>> = const { RefCell::new(Vec::new()) };
@@ -118,56 +118,16 @@ impl fmt::Debug for Exact {
     }
 }
 
-impl Number for Exact {
-    fn mul_add(self, b: Self, c: Self) -> Self {
-        self * b + c
-    }
-    fn mul_sub(self, b: Self, c: Self) -> Self {
-        self * b - c
-    }
-}
-
-impl Lanes for Exact {
-    type Elem = Self;
-    type Mask = bool;
-    type Token = ();
-    const FUSED: bool = false;
-    const N: usize = 1;
-
-    fn splat((): (), x: Self) -> Self {
-        x
-    }
-    fn load((): (), xs: &[Self]) -> Self {
-        xs[0]
-    }
-    fn store(self, xs: &mut [Self]) {
-        xs[0] = self;
-    }
-    fn token(self) {}
+trisect_core::single_lane!(Exact {
     /// The true reciprocal. Panics when `self` is zero.
     fn reciprocal_estimate(self) -> Self {
         Self::from_rational(RBig::ONE) / self
-    }
-    fn lt(self, b: Self) -> bool {
-        self < b
-    }
-    fn le(self, b: Self) -> bool {
-        self <= b
     }
     /// Flips the sign where `s < 0`; a rational zero has no sign.
     fn xor_sign(self, s: Self) -> Self {
         if s < Self::from_rational(RBig::ZERO) { -self } else { self }
     }
-    fn select(m: bool, a: Self, b: Self) -> Self {
-        if m { a } else { b }
-    }
-    fn any(m: bool) -> bool {
-        m
-    }
-    fn bits(m: bool) -> u64 {
-        u64::from(m)
-    }
-}
+});
 
 impl Scalar for Exact {
     /// The number equal to `x`. Panics when `x` is NaN or infinite.
@@ -181,6 +141,8 @@ impl Scalar for Exact {
 
 #[cfg(test)]
 mod tests {
+    use trisect_core::{Lanes as _, Number as _};
+
     use super::*;
 
     #[test]

@@ -4,7 +4,7 @@ use core::cell::Cell;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use trisect_core::{Lanes, Number, Scalar};
+use trisect_core::{Lanes, Scalar};
 
 /// How often each operation was done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -117,55 +117,15 @@ impl PartialOrd for Counting {
     }
 }
 
-impl Number for Counting {
-    fn mul_add(self, b: Self, c: Self) -> Self {
-        self * b + c
-    }
-    fn mul_sub(self, b: Self, c: Self) -> Self {
-        self * b - c
-    }
-}
-
-impl Lanes for Counting {
-    type Elem = Self;
-    type Mask = bool;
-    type Token = ();
-    const FUSED: bool = false;
-    const N: usize = 1;
-
-    fn splat((): (), x: Self) -> Self {
-        x
-    }
-    fn load((): (), xs: &[Self]) -> Self {
-        xs[0]
-    }
-    fn store(self, xs: &mut [Self]) {
-        xs[0] = self;
-    }
-    fn token(self) {}
+trisect_core::single_lane!(Counting {
     fn reciprocal_estimate(self) -> Self {
         Self(1.0) / self
-    }
-    fn lt(self, b: Self) -> bool {
-        self < b
-    }
-    fn le(self, b: Self) -> bool {
-        self <= b
     }
     fn xor_sign(self, s: Self) -> Self {
         count(Ops::SIGN);
         Self(self.0.xor_sign(s.0))
     }
-    fn select(m: bool, a: Self, b: Self) -> Self {
-        if m { a } else { b }
-    }
-    fn any(m: bool) -> bool {
-        m
-    }
-    fn bits(m: bool) -> u64 {
-        u64::from(m)
-    }
-}
+});
 
 impl Scalar for Counting {
     fn from_f64(x: f64) -> Self {
@@ -182,6 +142,8 @@ impl Scalar for Counting {
 
 #[cfg(test)]
 mod tests {
+    use trisect_core::Number as _;
+
     use super::*;
 
     #[test]

@@ -2,7 +2,8 @@
 #![forbid(unsafe_code)]
 
 use trisect_core::{
-    Hit, Homogeneous, Lanes, Method, MethodInfo, Of, Ray, Scalar, Triangle, Vec3, record,
+    Hit, Homogeneous, Lanes, Method, MethodInfo, Of, PlaneFirst, Ray, Scalar, Triangle, Vec3,
+    record,
 };
 
 record! {
@@ -26,14 +27,12 @@ record! {
 /// Perpendicular planes, Havel 2008.
 pub struct PerpendicularPlanes;
 
-impl PerpendicularPlanes {
-    /// Where the ray meets the plane: `t = dett / det`.
+impl PlaneFirst for PerpendicularPlanes {
     #[inline(always)]
     fn plane<L: Lanes>(ray: &Ray<L>, tri: &PlaneTriangle<L>) -> (L, L) {
         (tri.n.dot(ray.d), tri.nd - tri.n.dot(ray.o))
     }
 
-    /// `beta` and `gamma`, times `weight`, of the point `(weight·o + t·d) / weight`.
     #[inline(always)]
     fn barycentrics<L: Lanes>(ray: &Ray<L>, tri: &PlaneTriangle<L>, weight: L, t: L) -> (L, L) {
         let p = ray.d.mul_add(t, ray.o.scale(weight));
@@ -74,9 +73,7 @@ impl Method for PerpendicularPlanes {
 
     #[inline(always)]
     fn intersect<L: Lanes>(ray: &Ray<L>, triangle: &PlaneTriangle<L>) -> Homogeneous<L> {
-        let (det, t) = Self::plane(ray, triangle);
-        let (beta, gamma) = Self::barycentrics(ray, triangle, det, t);
-        Homogeneous { det, t, beta, gamma }
+        Self::deferred(ray, triangle)
     }
 
     /// As published: `t` first, then the point, then `beta` and `gamma`.
@@ -86,11 +83,7 @@ impl Method for PerpendicularPlanes {
         triangle: &PlaneTriangle<L>,
         reciprocal: impl Fn(L) -> L,
     ) -> (L, Hit<L>) {
-        let (det, dett) = Self::plane(ray, triangle);
-        let t = dett * reciprocal(det);
-        let one = t.constant(L::Elem::from_f64(1.0));
-        let (beta, gamma) = Self::barycentrics(ray, triangle, one, t);
-        (det, Hit { t, beta, gamma })
+        Self::early(ray, triangle, reciprocal)
     }
 
     /// Here `det = D·n`, which is negative at the front.

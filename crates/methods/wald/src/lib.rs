@@ -2,7 +2,8 @@
 #![forbid(unsafe_code)]
 
 use trisect_core::{
-    Hit, Homogeneous, Lanes, Method, MethodInfo, Of, Ray, Scalar, Triangle, Vec3, record,
+    Hit, Homogeneous, Lanes, Method, MethodInfo, Of, PlaneFirst, Ray, Scalar, Triangle, Vec3,
+    record,
 };
 
 record! {
@@ -39,15 +40,13 @@ pub struct ProjectedRay<L> {
 /// Wald 2004.
 pub struct Wald;
 
-impl Wald {
-    /// Where the ray meets the plane: `t = dett / det`.
+impl PlaneFirst for Wald {
     #[inline(always)]
     fn plane<L: Lanes>(ray: &ProjectedRay<L>, tri: &ProjectedTriangle<L>) -> (L, L) {
         let along = |p: Vec3<L>| tri.nu.mul_add(p.x, tri.nv.mul_add(p.y, p.z));
         (along(ray.d), tri.nd - along(ray.o))
     }
 
-    /// `beta` and `gamma`, times `weight`, of the point `(weight·o + t·d) / weight`.
     #[inline(always)]
     fn barycentrics<L: Lanes>(
         ray: &ProjectedRay<L>,
@@ -121,9 +120,7 @@ impl Method for Wald {
         ray: &ProjectedRay<L>,
         triangle: &ProjectedTriangle<L>,
     ) -> Homogeneous<L> {
-        let (det, t) = Self::plane(ray, triangle);
-        let (beta, gamma) = Self::barycentrics(ray, triangle, det, t);
-        Homogeneous { det, t, beta, gamma }
+        Self::deferred(ray, triangle)
     }
 
     /// As published: `t` first, then the point, then `beta` and `gamma`.
@@ -133,11 +130,7 @@ impl Method for Wald {
         triangle: &ProjectedTriangle<L>,
         reciprocal: impl Fn(L) -> L,
     ) -> (L, Hit<L>) {
-        let (det, dett) = Self::plane(ray, triangle);
-        let t = dett * reciprocal(det);
-        let one = t.constant(L::Elem::from_f64(1.0));
-        let (beta, gamma) = Self::barycentrics(ray, triangle, one, t);
-        (det, Hit { t, beta, gamma })
+        Self::early(ray, triangle, reciprocal)
     }
 
     /// `det` lost the sign of `n|w` with the scale; `bu·cv − bv·cu = 1 / n|w` brings it back.
