@@ -2,8 +2,8 @@
 //!
 //! A width stands for the instruction set that it is native to. Timed kernels are compiled for
 //! the scalar and for each instruction set with fused multiply-add where there is one; in plain
-//! arithmetic beside it only what shows the difference; asked for less than a whole hit in f32 alone. Finders are compiled for every native
-//! lane type, plain and fused.
+//! arithmetic beside it only what shows the difference. What is asked for less than a whole hit is
+//! timed in f32 alone. Finders are compiled for every native lane type, plain and fused.
 
 use std::marker::PhantomData;
 

@@ -4,7 +4,7 @@ use core::cell::Cell;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use trisect_core::{Lanes, Scalar};
+use trisect_core::Scalar;
 
 /// How often each operation was done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -142,7 +142,7 @@ impl Scalar for Counting {
 
 #[cfg(test)]
 mod tests {
-    use trisect_core::Number as _;
+    use trisect_core::{Lanes as _, Number as _};
 
     use super::*;
 
