@@ -91,8 +91,10 @@ impl Answers {
                 relative.push(0.0);
                 ulps.push(0.0);
             } else if exact != 0.0 {
-                relative.push(error / exact.abs());
-                ulps.push(error / unit_in_last_place(exact, significant_bits));
+                // Beyond the largest number there is nothing left to tell apart, and JSON has no
+                // infinity.
+                relative.push((error / exact.abs()).min(f64::MAX));
+                ulps.push((error / unit_in_last_place(exact, significant_bits)).min(f64::MAX));
             }
         }
         let count = relative.len() as u64;
@@ -163,7 +165,7 @@ fn quantiles(mut values: Vec<f64>) -> Quantiles {
     // Nearest rank: the smallest value that at least this share does not exceed.
     let rank = |percent: usize| values[(values.len() * percent).div_ceil(100).max(1) - 1];
     Quantiles {
-        mean: values.iter().sum::<f64>() / values.len() as f64,
+        mean: (values.iter().sum::<f64>() / values.len() as f64).min(f64::MAX),
         median: rank(50),
         p99: rank(99),
         max: rank(100),

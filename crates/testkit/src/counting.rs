@@ -142,7 +142,7 @@ impl Scalar for Counting {
 
 #[cfg(test)]
 mod tests {
-    use trisect_core::{Lanes as _, Number as _};
+    use trisect_core::{Lanes, Number as _};
 
     use super::*;
 
