@@ -13,7 +13,7 @@ thread_local! {
 }
 
 /// A rational number that is `Copy`, so that a formula written over
-/// [`Lanes`] runs in exact arithmetic.
+/// [`Lanes`](trisect_core::Lanes) runs in exact arithmetic.
 ///
 /// It is a handle into an arena of its thread, made and cleared by [`Exact::scope`]. A handle is
 /// good on the thread that made it until the scope in which it was made ends; used elsewhere it
