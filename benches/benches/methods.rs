@@ -17,7 +17,7 @@ use criterion::{
 };
 use trisect_benches::{kernel_name, workloads};
 use trisect_catalog::{Finder, Kernel, Kernels, Scene, entries};
-use trisect_core::{Culling, Precision, Ray, Triangle};
+use trisect_core::{Common, Culling, Precision, Ray, Triangle};
 
 fn methods(criterion: &mut Criterion) {
     for workload in workloads() {
@@ -55,10 +55,18 @@ impl Group<'_> {
         // Made when the first kernel that is not filtered out asks.
         let scene = OnceCell::new();
         let hits: Vec<OnceCell<u64>> = kernels.finders.iter().map(|_| OnceCell::new()).collect();
-        let available = |kernel: &&Kernel| kernel.variant.lane.instruction_set.is_available();
-        for kernel in kernels.timed.iter().filter(available) {
+        let common = Common::of(rays);
+        let serves = |kernel: &&Kernel| {
+            kernel.variant.lane.instruction_set.is_available() && kernel.arrangement.serves(common)
+        };
+        for kernel in kernels.timed.iter().filter(serves) {
             group.bench_function(BenchmarkId::from_parameter(kernel_name(kernel)), |bencher| {
-                let scene = scene.get_or_init(|| (kernels.prepare)(triangles, rays));
+                let Some(scene) =
+                    scene.get_or_init(|| (kernels.prepare)(triangles, rays).ok()).as_ref()
+                else {
+                    eprintln!("{}: cannot take these triangles", self.name);
+                    return;
+                };
                 let answering = finder_for(kernels, kernel);
                 let expected =
                     *hits[answering].get_or_init(|| count_hits(&kernels.finders[answering], scene));

@@ -39,6 +39,6 @@ pub fn kernel_name(kernel: &Kernel) -> String {
     if kernel.early_out {
         words.push("early-out".to_owned());
     }
-    words.push(kernel.needs.to_owned());
+    words.push(kernel.needs.name().to_owned());
     words.join(" ")
 }

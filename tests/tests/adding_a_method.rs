@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-const NAME: &str = "unit-triangle";
+const NAME: &str = "affine-map";
 
 /// A fenced block of the page: what its info string says beside the language, and its text.
 struct Block {
@@ -153,7 +153,7 @@ fn the_page_adds_a_method_by_one_crate_and_one_line() {
     let crate_name = format!("trisect-{NAME}");
     let tests = copy.cargo(&["test", "-p", &crate_name]);
     let tests = String::from_utf8_lossy(&tests.stdout);
-    assert!(tests.contains("test result: ok. 15 passed"), "not all properties ran:\n{tests}");
+    assert!(tests.contains("test result: ok. 16 passed"), "not all properties ran:\n{tests}");
 
     let list = copy.cargo(&["run", "-p", "trisect-cli", "--", "list", "--json"]);
     let list: serde_json::Value = serde_json::from_slice(&list.stdout).expect("JSON");

@@ -14,8 +14,8 @@ use serde::Serialize;
 #[cfg(target_arch = "x86_64")]
 use trisect_benches::intrinsics;
 use trisect_benches::{SEED, kernel_name, workloads};
-use trisect_catalog::{Arrangement, Kernel, Scene, Tally, entries};
-use trisect_core::{Float, InstructionSet};
+use trisect_catalog::{Arrangement, Entry, Kernel, Scene, Tally, entries};
+use trisect_core::{Float, InstructionSet, Output};
 use trisect_harness::machine;
 use trisect_harness::record::Machine;
 use trisect_workloads::Workload;
@@ -147,15 +147,21 @@ fn takes_part(kernel: &Kernel, all: &[Kernel]) -> bool {
         .filter(|set| set.is_available())
         .max();
     let lane = kernel.variant.lane;
-    kernel.needs == "barycentrics" && (lane.width == 1 || Some(lane.instruction_set) == best)
+    kernel.needs == Output::Barycentrics
+        && matches!(kernel.arrangement, Arrangement::OneRay | Arrangement::OneTriangle)
+        && (lane.width == 1 || Some(lane.instruction_set) == best)
 }
 
 fn measure(workload: &Workload, rounds: u16, random: &mut Pcg64) -> Result<Measured> {
     let (triangles, rays) = (&workload.triangles, &workload.rays);
-    let scenes: Vec<Scene> =
-        entries().iter().map(|entry| (entry.f32.prepare)(triangles, rays)).collect();
+    // Methods that cannot take the triangles, or give no barycentrics, take no part.
+    let scenes: Vec<(&Entry, Scene)> = entries()
+        .iter()
+        .filter(|entry| entry.info.gives(Output::Barycentrics))
+        .filter_map(|entry| Some((entry, (entry.f32.prepare)(triangles, rays).ok()?)))
+        .collect();
     let mut contenders = Vec::new();
-    for (entry, scene) in entries().iter().zip(&scenes) {
+    for (entry, scene) in &scenes {
         let timed = &entry.f32.timed;
         for kernel in timed.iter().filter(|kernel| takes_part(kernel, timed)) {
             let kind = Kind::Kernel { method: entry.info.name, kernel };
@@ -187,9 +193,9 @@ fn measure(workload: &Workload, rounds: u16, random: &mut Pcg64) -> Result<Measu
         workload: workload.name.clone(),
         rays: rays.len(),
         triangles: triangles.len(),
-        methods: entries()
+        methods: scenes
             .iter()
-            .map(|entry| against_scalar(entry.info.name, &contenders, tests))
+            .map(|(entry, _)| against_scalar(entry.info.name, &contenders, tests))
             .collect(),
         intrinsics: against_intrinsics(&contenders, tests)?,
     })
@@ -207,10 +213,15 @@ fn against_scalar(method: &'static str, contenders: &[Contender<'_>], tests: f64
             .expect("every method has scalars and lanes")
     };
     let best = fastest(&|kernel| kernel.variant.lane.width > 1);
+    // Early, but for a method that has the deferred form alone.
+    let has_early = contenders.iter().any(|contender| {
+        matches!(contender.kind, Kind::Kernel { method: of, kernel }
+            if of == method && kernel.variant.division == "early")
+    });
     let published = fastest(&|kernel| {
         kernel.variant.lane.width == 1
             && kernel.early_out
-            && kernel.variant.division == "early"
+            && (kernel.variant.division == "early" || !has_early)
             && kernel.arrangement == Arrangement::OneRay
     });
     let fastest_scalar = fastest(&|kernel| kernel.variant.lane.width == 1);

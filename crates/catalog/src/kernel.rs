@@ -1,11 +1,16 @@
 //! Compiled kernels behind one type.
+#![allow(
+    clippy::redundant_closure,
+    reason = "the call of a reference to a closure, `&mut found`, would stay out of line"
+)]
 
 use std::any::Any;
 use std::ops::ControlFlow;
 
 use trisect_core::{
-    Culling, Division, Hit, InstructionSet, Lanes, Method, Needs, PADDING, Packet, Precision,
-    PreparedTriangles, Ray, Scalar, Token, Triangle, one_ray, one_triangle,
+    Common, CommonDirection, CommonOrigin, Culling, Division, Hit, InstructionSet, Lanes, Method,
+    Needs, Output, PADDING, Packets, Precision, PreparedTriangles, Ray, Scalar, Tested, Token,
+    Triangle, UnsuitableMesh, one_ray, one_triangle, shared_packets,
 };
 
 /// Which way round the lanes are used.
@@ -15,6 +20,10 @@ pub enum Arrangement {
     OneRay,
     /// N rays at a time against one triangle.
     OneTriangle,
+    /// The same for rays of one origin.
+    CommonOrigin,
+    /// The same for rays of one direction.
+    CommonDirection,
 }
 
 impl Arrangement {
@@ -23,6 +32,17 @@ impl Arrangement {
         match self {
             Self::OneRay => "one-ray",
             Self::OneTriangle => "one-triangle",
+            Self::CommonOrigin => "common-origin",
+            Self::CommonDirection => "common-direction",
+        }
+    }
+
+    /// Whether it serves rays that have that much in common.
+    pub const fn serves(self, common: Common) -> bool {
+        match self {
+            Self::OneRay | Self::OneTriangle => true,
+            Self::CommonOrigin => common.origin,
+            Self::CommonDirection => common.direction,
         }
     }
 }
@@ -64,28 +84,42 @@ pub struct Variant {
 }
 
 /// Triangles and rays, prepared for the kernels of one method and precision.
-pub struct Scene(Box<dyn Any>);
+pub struct Scene {
+    prepared: Box<dyn Any>,
+    common: Common,
+}
 
-struct Prepared<M: Method, E: Precision> {
+pub(crate) struct Prepared<M: Method, E: Precision> {
     triangles: PreparedTriangles<M, E>,
     rays: Vec<Ray<E>>,
-    packets: Vec<Packet<E>>,
+    packets: Packets<E>,
 }
 
 impl Scene {
     pub(crate) fn prepare<M: Method, E: Precision>(
         triangles: &[Triangle<E>],
         rays: &[Ray<E>],
-    ) -> Self {
-        Self(Box::new(Prepared::<M, E> {
-            triangles: PreparedTriangles::new(triangles),
-            rays: rays.to_vec(),
-            packets: Packet::pack(rays),
-        }))
+    ) -> Result<Self, UnsuitableMesh> {
+        let packets = Packets::new::<M>(rays);
+        Ok(Self {
+            common: packets.common(),
+            prepared: Box::new(Prepared::<M, E> {
+                triangles: PreparedTriangles::new(triangles)?,
+                rays: rays.to_vec(),
+                packets,
+            }),
+        })
+    }
+
+    /// What all rays have in common: decides which arrangements serve.
+    pub fn common(&self) -> Common {
+        self.common
     }
 
     fn get<M: Method, E: Precision>(&self) -> &Prepared<M, E> {
-        self.0.downcast_ref().expect("a scene is used with the kernels that it was prepared for")
+        self.prepared
+            .downcast_ref()
+            .expect("a scene is used with the kernels that it was prepared for")
     }
 }
 
@@ -107,36 +141,35 @@ pub struct Kernel {
     /// Whether a test ends as soon as no lane can hit.
     pub early_out: bool,
     /// What is asked of a hit.
-    pub needs: &'static str,
+    pub needs: Output,
     run: fn(&Scene) -> Tally,
 }
 
 impl Kernel {
-    pub(crate) fn new<M, L, D, N>(arrangement: Arrangement) -> Self
+    pub(crate) fn new<M, L, D, N, A>() -> Self
     where
         M: Method,
         L: Lanes<Elem: Precision>,
         D: Division,
         N: Needs,
+        A: Arrange,
     {
         Self {
             variant: variant::<L, D>(),
-            arrangement,
+            arrangement: A::ARRANGEMENT,
             early_out: D::EARLY_OUT,
-            needs: N::NAME,
-            run: match arrangement {
-                Arrangement::OneRay => tally_one_ray::<M, L, D, N>,
-                Arrangement::OneTriangle => tally_one_triangle::<M, L, D, N>,
-            },
+            needs: N::OUTPUT,
+            run: M::tally::<L, D, N, A>,
         }
     }
 
     /// Tests every ray of `scene` against every triangle.
     ///
     /// # Panics
-    /// When the processor lacks the variant's instructions, or the scene was prepared for another
-    /// method or precision.
+    /// When the processor lacks the variant's instructions, the scene was prepared for another
+    /// method or precision, or its rays lack what the arrangement says that they share.
     pub fn run(&self, scene: &Scene) -> Tally {
+        assert!(self.arrangement.serves(scene.common), "the rays do not share what they must");
         (self.run)(scene)
     }
 }
@@ -164,9 +197,9 @@ impl<L: Lanes> Accumulator<L> {
     }
 
     #[inline(always)]
-    fn add<N: Needs>(&mut self, mask: L::Mask, hit: Hit<L>) {
+    fn add<M: Method, N: Needs>(&mut self, tested: &Tested<'_, M, L>, mask: L::Mask, hit: Hit<L>) {
         self.hits += u64::from(L::bits(mask).count_ones());
-        if let Some(asked) = N::fold(hit) {
+        if let Some(asked) = N::fold::<M, L>(tested.ray, tested.triangle, tested.group, hit) {
             self.sum = self.sum + L::select(mask, asked, self.zero);
         }
     }
@@ -179,60 +212,169 @@ impl<L: Lanes> Accumulator<L> {
     }
 }
 
-fn tally_one_ray<M, L, D, N>(scene: &Scene) -> Tally
-where
-    M: Method,
-    L: Lanes<Elem: Precision>,
-    D: Division,
-    N: Needs,
-{
-    let scene = scene.get::<M, L::Elem>();
-    let token = token::<L>();
-    token.run(
-        #[inline(always)]
-        || {
-            let mut sum = Accumulator::<L>::new(token);
-            for ray in &scene.rays {
-                one_ray::<M, L, D>(
-                    token,
-                    ray,
-                    &scene.triangles,
-                    Culling::None,
-                    #[inline(always)]
-                    |_, mask, hit| sum.add::<N>(mask, hit),
-                );
-            }
-            sum.tally()
-        },
-    )
+/// An [`Arrangement`], as a type.
+pub(crate) trait Arrange: 'static {
+    const ARRANGEMENT: Arrangement;
+    /// Tests every ray against every triangle.
+    fn run<M: Method, L: Lanes<Elem: Precision>, D: Division>(
+        token: L::Token,
+        scene: &Prepared<M, L::Elem>,
+        found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
+    );
 }
 
-fn tally_one_triangle<M, L, D, N>(scene: &Scene) -> Tally
-where
-    M: Method,
-    L: Lanes<Elem: Precision>,
-    D: Division,
-    N: Needs,
-{
-    let scene = scene.get::<M, L::Elem>();
-    let token = token::<L>();
-    token.run(
-        #[inline(always)]
-        || {
-            let mut sum = Accumulator::<L>::new(token);
-            for packet in &scene.packets {
-                one_triangle::<M, L, D>(
+pub(crate) struct OneRay;
+
+impl Arrange for OneRay {
+    const ARRANGEMENT: Arrangement = Arrangement::OneRay;
+    #[inline(always)]
+    fn run<M: Method, L: Lanes<Elem: Precision>, D: Division>(
+        token: L::Token,
+        scene: &Prepared<M, L::Elem>,
+        mut found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
+    ) {
+        for ray in &scene.rays {
+            one_ray::<M, L, D>(
+                token,
+                ray,
+                &scene.triangles,
+                Culling::None,
+                #[inline(always)]
+                |tested, mask, hit| found(tested, mask, hit),
+            );
+        }
+    }
+}
+
+pub(crate) struct OneTriangle;
+
+impl Arrange for OneTriangle {
+    const ARRANGEMENT: Arrangement = Arrangement::OneTriangle;
+    #[inline(always)]
+    fn run<M: Method, L: Lanes<Elem: Precision>, D: Division>(
+        token: L::Token,
+        scene: &Prepared<M, L::Elem>,
+        found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
+    ) {
+        one_triangle::<M, L, D>(token, &scene.packets, &scene.triangles, Culling::None, found);
+    }
+}
+
+impl Arrange for CommonOrigin {
+    const ARRANGEMENT: Arrangement = Arrangement::CommonOrigin;
+    #[inline(always)]
+    fn run<M: Method, L: Lanes<Elem: Precision>, D: Division>(
+        token: L::Token,
+        scene: &Prepared<M, L::Elem>,
+        found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
+    ) {
+        let Prepared { triangles, packets, .. } = scene;
+        shared_packets::<M, L, D, Self>(token, packets, triangles, Culling::None, found);
+    }
+}
+
+impl Arrange for CommonDirection {
+    const ARRANGEMENT: Arrangement = Arrangement::CommonDirection;
+    #[inline(always)]
+    fn run<M: Method, L: Lanes<Elem: Precision>, D: Division>(
+        token: L::Token,
+        scene: &Prepared<M, L::Elem>,
+        found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
+    ) {
+        let Prepared { triangles, packets, .. } = scene;
+        shared_packets::<M, L, D, Self>(token, packets, triangles, Culling::None, found);
+    }
+}
+
+/// What is compiled for a method. Its provided functions are instances of the method's own type, so
+/// that the compiler puts the kernels of each method crate into a unit of their own, and compiles the
+/// units side by side.
+pub(crate) trait Instances: Method {
+    /// Runs a [`Kernel`].
+    fn tally<L, D, N, A>(scene: &Scene) -> Tally
+    where
+        L: Lanes<Elem: Precision>,
+        D: Division,
+        N: Needs,
+        A: Arrange,
+    {
+        let scene = scene.get::<Self, L::Elem>();
+        let token = token::<L>();
+        token.run(
+            #[inline(always)]
+            || {
+                let mut sum = Accumulator::<L>::new(token);
+                A::run::<Self, L, D>(
                     token,
-                    packet,
-                    &scene.triangles,
-                    Culling::None,
+                    scene,
                     #[inline(always)]
-                    |_, _, mask, hit| sum.add::<N>(mask, hit),
+                    |tested, mask, hit| sum.add::<Self, N>(&tested, mask, hit),
                 );
-            }
-            sum.tally()
-        },
-    )
+                sum.tally()
+            },
+        )
+    }
+
+    /// Runs a [`Finder`].
+    fn find<L: Lanes<Elem: Precision>, D: Division>(
+        scene: &Scene,
+        culling: Culling,
+        found: &mut Find<'_>,
+    ) {
+        let scene = scene.get::<Self, L::Elem>();
+        let token = token::<L>();
+        token.run(
+            #[inline(always)]
+            || {
+                for (number, ray) in scene.rays.iter().enumerate() {
+                    let mut done = false;
+                    one_ray::<Self, L, D>(
+                        token,
+                        ray,
+                        &scene.triangles,
+                        culling,
+                        #[inline(always)]
+                        |tested, mask, hit| {
+                            if !done {
+                                let numbers = scene.triangles.numbers(tested.triangle_place);
+                                done = hand_out::<L>(numbers, number, mask, hit, found);
+                            }
+                        },
+                    );
+                }
+            },
+        );
+    }
+}
+
+impl<M: Method> Instances for M {}
+
+/// Hands out the lanes that hit, given the numbers of their triangles; whether the ray is done with.
+/// Rare, so kept out of the loop.
+#[inline(never)]
+fn hand_out<L: Lanes>(
+    numbers: &[u32],
+    ray: usize,
+    mask: L::Mask,
+    hit: Hit<L>,
+    found: &mut Find<'_>,
+) -> bool {
+    let zero = L::Elem::from_f64(0.0);
+    let mut lanes = [[zero; trisect_core::BLOCK]; 3];
+    hit.t.store(&mut lanes[0]);
+    hit.beta.store(&mut lanes[1]);
+    hit.gamma.store(&mut lanes[2]);
+    let mut bits = L::bits(mask);
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        let [t, beta, gamma] = [0, 1, 2].map(|i: usize| lanes[i][lane].to_f64());
+        let number = numbers[lane];
+        if number != PADDING && found(ray, number, Hit { t, beta, gamma }).is_break() {
+            return true;
+        }
+    }
+    false
 }
 
 /// Receives a ray's number, a triangle's number and the hit, its numbers widened exactly;
@@ -248,7 +390,7 @@ pub struct Finder {
 
 impl Finder {
     pub(crate) fn new<M: Method, L: Lanes<Elem: Precision>, D: Division>() -> Self {
-        Self { variant: variant::<L, D>(), find: find::<M, L, D> }
+        Self { variant: variant::<L, D>(), find: M::find::<L, D> }
     }
 
     /// Calls `found` for each hit of each ray of `scene`, ray by ray; the triangles of a ray come
@@ -296,61 +438,4 @@ impl Finder {
         });
         any
     }
-}
-
-fn find<M: Method, L: Lanes<Elem: Precision>, D: Division>(
-    scene: &Scene,
-    culling: Culling,
-    found: &mut Find<'_>,
-) {
-    let scene = scene.get::<M, L::Elem>();
-    let token = token::<L>();
-    token.run(
-        #[inline(always)]
-        || {
-            for (number, ray) in scene.rays.iter().enumerate() {
-                let mut done = false;
-                one_ray::<M, L, D>(
-                    token,
-                    ray,
-                    &scene.triangles,
-                    culling,
-                    #[inline(always)]
-                    |place, mask, hit| {
-                        if !done {
-                            done = hand_out(&scene.triangles, number, place, mask, hit, found);
-                        }
-                    },
-                );
-            }
-        },
-    );
-}
-
-/// Hands out the lanes that hit; whether the ray is done with. Rare, so kept out of the loop.
-#[inline(never)]
-fn hand_out<M: Method, L: Lanes<Elem: Precision>>(
-    triangles: &PreparedTriangles<M, L::Elem>,
-    ray: usize,
-    place: usize,
-    mask: L::Mask,
-    hit: Hit<L>,
-    found: &mut Find<'_>,
-) -> bool {
-    let zero = L::Elem::from_f64(0.0);
-    let mut lanes = [[zero; trisect_core::BLOCK]; 3];
-    hit.t.store(&mut lanes[0]);
-    hit.beta.store(&mut lanes[1]);
-    hit.gamma.store(&mut lanes[2]);
-    let mut bits = L::bits(mask);
-    while bits != 0 {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits - 1;
-        let number = triangles.number(place + lane);
-        let [t, beta, gamma] = [0, 1, 2].map(|i: usize| lanes[i][lane].to_f64());
-        if number != PADDING && found(ray, number, Hit { t, beta, gamma }).is_break() {
-            return true;
-        }
-    }
-    false
 }

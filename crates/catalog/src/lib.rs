@@ -9,7 +9,9 @@ mod matrix;
 
 use std::sync::OnceLock;
 
-use trisect_core::{Method, MethodInfo, MethodVisitor, Precision, Ray, Record, Triangle};
+use trisect_core::{
+    Cost, Method, MethodInfo, MethodVisitor, Precision, Ray, Triangle, UnsuitableMesh, cost,
+};
 
 pub use kernel::{Arrangement, Find, Finder, Kernel, Lane, Scene, Tally, Variant};
 
@@ -19,8 +21,8 @@ include!(concat!(env!("OUT_DIR"), "/methods.rs"));
 pub struct Entry {
     /// Facts about the method.
     pub info: MethodInfo,
-    /// Numbers stored per triangle.
-    pub stored_numbers: usize,
+    /// What it costs, counted by running its formula.
+    pub cost: Cost,
     /// Its f32 kernels.
     pub f32: Kernels<f32>,
     /// Its f64 kernels.
@@ -29,7 +31,7 @@ pub struct Entry {
 
 /// The compiled kernels of a method in one precision.
 pub struct Kernels<E: Precision> {
-    /// Prepares triangles and rays for these kernels.
+    /// Prepares triangles and rays for these kernels, or says why the method cannot take them.
     pub prepare: Prepare<E>,
     /// Kernels that count, for measuring time.
     pub timed: Vec<Kernel>,
@@ -38,7 +40,7 @@ pub struct Kernels<E: Precision> {
 }
 
 /// Prepares triangles and rays for the kernels of one method and precision.
-pub type Prepare<E> = fn(&[Triangle<E>], &[Ray<E>]) -> Scene;
+pub type Prepare<E> = fn(&[Triangle<E>], &[Ray<E>]) -> Result<Scene, UnsuitableMesh>;
 
 /// The methods with their compiled kernels, in the order of the catalogue.
 pub fn entries() -> &'static [Entry] {
@@ -47,7 +49,7 @@ pub fn entries() -> &'static [Entry] {
         fn visit<M: Method>(&mut self) {
             self.0.push(Entry {
                 info: M::INFO,
-                stored_numbers: M::Prepared::NUMBERS,
+                cost: cost::<M>(),
                 f32: matrix::kernels::<M, f32>(),
                 f64: matrix::kernels::<M, f64>(),
             });
@@ -67,10 +69,19 @@ pub fn find(name: &str) -> Option<&'static Entry> {
 }
 
 impl<E: Precision> Kernels<E> {
-    /// The finder of the plain variant of that width, division and reciprocal `true`; of the
-    /// widest that this processor has, where no width is given. Plain finders of all widths
-    /// give the same bits.
-    pub fn plain_finder(&self, width: Option<usize>, division: &str) -> Option<&Finder> {
+    /// The divisions that the method has, the one that decides without quotients first.
+    pub fn divisions(&self) -> impl Iterator<Item = &'static str> {
+        ["deferred", "early"].into_iter().filter(|division| {
+            self.finders.iter().any(|finder| finder.variant.division == *division)
+        })
+    }
+
+    /// The finder of the plain variant of that width, division and reciprocal `true`: of the
+    /// widest that this processor has, where no width is given, and of the first of
+    /// [`divisions`](Kernels::divisions), where no division is. Plain finders of all widths give the
+    /// same bits.
+    pub fn plain_finder(&self, width: Option<usize>, division: Option<&str>) -> Option<&Finder> {
+        let division = division.or_else(|| self.divisions().next())?;
         self.finders
             .iter()
             .filter(|finder| {

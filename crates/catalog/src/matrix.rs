@@ -1,19 +1,24 @@
 //! Which instances are compiled.
 //!
-//! A width stands for the instruction set that it is native to. Timed kernels are compiled for
-//! the scalar and for each instruction set with fused multiply-add where there is one; in plain
-//! arithmetic beside it only what shows the difference. What is asked for less than a whole hit is
-//! timed in f32 alone. Finders are compiled for every native lane type, plain and fused.
+//! A width stands for the instruction set that it is native to. Finders are compiled for every
+//! native lane type, plain and fused, in each form of the division that the method has. Timed
+//! kernels are compiled for what the tables show: in f32 the scalar in all needs, each instruction set
+//! with fused multiply-add in all needs and arrangements; all others, and f64, with the fullest hit
+//! alone. With the feature `full` everything is compiled for everything.
 
 use std::marker::PhantomData;
 
 use trisect_core::{
-    Barycentrics, Deferred, Distance, Division, Early, InstructionSet, Lanes, LanesVisitor, Method,
-    Needs, Newton, Occlusion, Precision, Token, TrueDivision,
+    Barycentrics, CommonDirection, CommonOrigin, Deferred, Distance, Division, Early,
+    InstructionSet, Lanes, LanesVisitor, Method, Needs, Newton, Normal, Occlusion, Output, Point,
+    Precision, Token, TrueDivision,
 };
 
 use crate::Kernels;
-use crate::kernel::{Arrangement, Finder, Kernel, Scene};
+use crate::kernel::{Arrange, Finder, Kernel, OneRay, OneTriangle, Scene};
+
+/// Whether everything is compiled.
+const FULL: bool = cfg!(feature = "full");
 
 /// The compiled kernels of a method in one precision.
 pub(crate) fn kernels<M: Method, E: Precision>() -> Kernels<E> {
@@ -29,50 +34,135 @@ struct Collect<M> {
 }
 
 impl<M: Method> LanesVisitor for Collect<M> {
+    // Inline constants, so that what is left out is not compiled either.
     fn visit<L: Lanes<Elem: Precision>>(&mut self) {
-        self.finder::<L, Early<TrueDivision, true>>();
-        self.finder::<L, Deferred<TrueDivision, true>>();
-        self.divisions::<L, Barycentrics>(Arrangement::OneRay);
-        // Inline constants, so that what is left out is not compiled either.
-        if const { newton_differs::<L>() } {
-            self.finder::<L, Deferred<Newton, true>>();
-            self.timed::<L, Deferred<Newton, true>, Barycentrics>(Arrangement::OneRay);
-            self.timed::<L, Deferred<Newton, false>, Barycentrics>(Arrangement::OneRay);
+        self.finders::<L>();
+        if const { FULL && newton_differs::<L>() && M::INFO.forms.deferred() } {
+            self.finders.push(Finder::new::<M, L, Deferred<Newton, true>>());
+            self.fullest::<L, Deferred<Newton, true>, OneRay>();
+            self.fullest::<L, Deferred<Newton, false>, OneRay>();
         }
-        if const { !has_fused_twin::<L>() } {
-            self.divisions::<L, Barycentrics>(Arrangement::OneTriangle);
-            if const { size_of::<L::Elem>() == 4 } {
-                self.divisions::<L, Distance>(Arrangement::OneRay);
-                self.divisions::<L, Occlusion>(Arrangement::OneRay);
-            }
+        // A scalar gains by leaving early where lanes lose, as a rule: in f32 both are shown.
+        if const { FULL || L::N == 1 || (is_single::<L>() && is_best::<L>()) } {
+            self.each_form::<L, true, OneRay>();
+        }
+        if const { FULL || (is_single::<L>() && is_shown::<L>()) || is_best::<L>() } {
+            self.each_form::<L, false, OneRay>();
+        }
+        if const { FULL || (is_single::<L>() && L::N == 1) } {
+            self.needs::<L, Occlusion, true>();
+            self.need::<L, Distance, true>();
+        }
+        if const { FULL || (is_single::<L>() && is_best::<L>()) } {
+            self.needs::<L, Occlusion, false>();
+            self.need::<L, Distance, false>();
+            self.one_form::<L, OneTriangle>();
+            self.one_form::<L, CommonOrigin>();
+            self.one_form::<L, CommonDirection>();
+            self.need::<L, Point, false>();
+            self.need::<L, Normal, false>();
+        }
+        if const { FULL } {
+            self.each_form::<L, true, OneTriangle>();
         }
     }
 }
 
 impl<M: Method> Collect<M> {
-    fn divisions<L: Lanes<Elem: Precision>, N: Needs>(&mut self, arrangement: Arrangement) {
-        self.timed::<L, Early<TrueDivision, true>, N>(arrangement);
-        self.timed::<L, Early<TrueDivision, false>, N>(arrangement);
-        self.timed::<L, Deferred<TrueDivision, true>, N>(arrangement);
-        self.timed::<L, Deferred<TrueDivision, false>, N>(arrangement);
+    fn finders<L: Lanes<Elem: Precision>>(&mut self) {
+        if const { M::INFO.forms.early() } {
+            self.finders.push(Finder::new::<M, L, Early<TrueDivision, true>>());
+        }
+        if const { M::INFO.forms.deferred() } {
+            self.finders.push(Finder::new::<M, L, Deferred<TrueDivision, true>>());
+        }
     }
 
-    fn timed<L: Lanes<Elem: Precision>, D: Division, N: Needs>(
-        &mut self,
-        arrangement: Arrangement,
-    ) {
-        self.timed.push(Kernel::new::<M, L, D, N>(arrangement));
+    /// The fullest hit that the method gives, in each form that it has.
+    fn each_form<L: Lanes<Elem: Precision>, const EARLY_OUT: bool, A: Arrange>(&mut self) {
+        if const { M::INFO.forms.early() } {
+            self.fullest::<L, Early<TrueDivision, EARLY_OUT>, A>();
+        }
+        if const { M::INFO.forms.deferred() } {
+            self.fullest::<L, Deferred<TrueDivision, EARLY_OUT>, A>();
+        }
     }
 
-    fn finder<L: Lanes<Elem: Precision>, D: Division>(&mut self) {
-        self.finders.push(Finder::new::<M, L, D>());
+    /// The same without early-out in one form, the early one where there is one.
+    fn one_form<L: Lanes<Elem: Precision>, A: Arrange>(&mut self) {
+        if const { M::INFO.forms.early() } {
+            self.fullest::<L, Early<TrueDivision, false>, A>();
+        } else {
+            self.fullest::<L, Deferred<TrueDivision, false>, A>();
+        }
     }
+
+    fn fullest<L: Lanes<Elem: Precision>, D: Division, A: Arrange>(&mut self) {
+        if const { M::INFO.gives(Output::Barycentrics) } {
+            self.timed.push(Kernel::new::<M, L, D, Barycentrics, A>());
+        } else {
+            self.push_once(Kernel::new::<M, L, D, Distance, A>());
+        }
+    }
+
+    /// What is asked, in each form that the method has.
+    fn needs<L: Lanes<Elem: Precision>, N: Needs, const EARLY_OUT: bool>(&mut self) {
+        if const { M::INFO.forms.early() } {
+            self.push_once(Kernel::new::<M, L, Early<TrueDivision, EARLY_OUT>, N, OneRay>());
+        }
+        if const { M::INFO.forms.deferred() } {
+            self.push_once(Kernel::new::<M, L, Deferred<TrueDivision, EARLY_OUT>, N, OneRay>());
+        }
+    }
+
+    /// What is asked, where the method gives it, in one form, the early one where there is one.
+    fn need<L: Lanes<Elem: Precision>, N: Needs, const EARLY_OUT: bool>(&mut self) {
+        if const { !M::INFO.gives(N::OUTPUT) } {
+            return;
+        }
+        if const { M::INFO.forms.early() } {
+            self.push_once(Kernel::new::<M, L, Early<TrueDivision, EARLY_OUT>, N, OneRay>());
+        } else {
+            self.push_once(Kernel::new::<M, L, Deferred<TrueDivision, EARLY_OUT>, N, OneRay>());
+        }
+    }
+
+    /// Keeps a kernel unless there is one like it: for a method without barycentrics `t` is the
+    /// fullest hit, and a need as well.
+    fn push_once(&mut self, kernel: Kernel) {
+        let same = |other: &Kernel| {
+            other.variant == kernel.variant
+                && other.arrangement == kernel.arrangement
+                && other.early_out == kernel.early_out
+                && other.needs == kernel.needs
+        };
+        if !self.timed.iter().any(same) {
+            self.timed.push(kernel);
+        }
+    }
+}
+
+/// Whether these lanes are of f32.
+const fn is_single<L: Lanes>() -> bool {
+    size_of::<L::Elem>() == 4
+}
+
+/// Whether these lanes are the best of their instruction set: fused where there is fused
+/// multiply-add.
+const fn is_best<L: Lanes>() -> bool {
+    L::FUSED
+}
+
+/// Whether lanes that are not the best are shown: those of instruction sets without fused
+/// multiply-add, and plain ones on AVX2 to show the difference.
+const fn is_shown<L: Lanes>() -> bool {
+    !has_fused_twin::<L>() || L::N == 8
 }
 
 /// Whether the processor has a reciprocal estimate for these lanes: without one, Newton steps
 /// are not what is measured.
 const fn newton_differs<L: Lanes>() -> bool {
-    L::N > 1 && size_of::<L::Elem>() == 4
+    L::N > 1 && is_single::<L>()
 }
 
 /// Whether these are plain lanes of an instruction set with fused multiply-add.

@@ -132,6 +132,10 @@ pub(crate) struct Report {
     /// Folder for the page and its figures
     #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
     pub output: PathBuf,
+    /// Make the parts of this Markdown file anew that stand between markers, instead of a page; any
+    /// number of times
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["output", "json"])]
+    pub splice: Vec<PathBuf>,
     /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
@@ -170,9 +174,9 @@ pub(crate) struct Query {
     /// Lanes; a width stands for the instruction set that it is native to, native for the widest
     #[arg(long, default_value = "native")]
     pub width: Width,
-    /// When to divide
-    #[arg(long, default_value = "deferred")]
-    pub division: Division,
+    /// When to divide [default: deferred where the method has that, else early]
+    #[arg(long)]
+    pub division: Option<Division>,
     /// Faces not to see
     #[arg(long, default_value = "none")]
     pub cull: Cull,
@@ -201,6 +205,8 @@ pub(crate) enum Needs {
     Occlusion,
     T,
     Barycentrics,
+    Point,
+    Normal,
 }
 
 impl Needs {
@@ -209,6 +215,8 @@ impl Needs {
             Self::Occlusion => "occlusion",
             Self::T => "t",
             Self::Barycentrics => "barycentrics",
+            Self::Point => "point",
+            Self::Normal => "normal",
         }
     }
 }

@@ -23,9 +23,25 @@ struct Method {
     name: &'static str,
     title: &'static str,
     year: u16,
-    outputs: &'static [&'static str],
+    input: &'static str,
+    outputs: Vec<&'static str>,
+    divisions: Vec<&'static str>,
+    watertight: bool,
     stored_numbers: usize,
     source: &'static str,
+}
+
+impl Method {
+    /// What a hit can be asked for, but for what every method gives, and what is claimed.
+    fn gives(&self) -> String {
+        let mut words = vec!["t"];
+        let more = ["barycentrics", "normal"].into_iter().filter(|w| self.outputs.contains(w));
+        words.extend(more);
+        if self.watertight {
+            words.push("watertight");
+        }
+        words.join(" ")
+    }
 }
 
 pub(crate) fn run(arguments: &List) -> Result<()> {
@@ -43,11 +59,11 @@ pub(crate) fn run(arguments: &List) -> Result<()> {
         for method in &listing.methods {
             writeln!(
                 out,
-                "{:<22} {}  {:>2} numbers per triangle  {}",
+                "{:<29} {} {:>2} numbers  {}",
                 method.name,
                 method.year,
                 method.stored_numbers,
-                method.outputs.join(" ")
+                method.gives(),
             )?;
         }
         let numbers =
@@ -78,8 +94,11 @@ impl From<&Entry> for Method {
             name: entry.info.name,
             title: entry.info.title,
             year: entry.info.year,
-            outputs: entry.info.outputs,
-            stored_numbers: entry.stored_numbers,
+            input: entry.info.input.name(),
+            outputs: entry.info.outputs.iter().map(|output| output.name()).collect(),
+            divisions: entry.f32.divisions().collect(),
+            watertight: entry.info.claims.watertight,
+            stored_numbers: entry.cost.stored_numbers,
             source: entry.info.source,
         }
     }

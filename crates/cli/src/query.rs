@@ -2,11 +2,11 @@
 
 use std::io::{self, Write};
 
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow, bail};
 use rayon::prelude::*;
 use serde::Serialize;
 use trisect_catalog::{Entry, Finder, Kernels, Lane};
-use trisect_core::{Culling, Hit, Precision, Ray, Scalar as _, Triangle, Vec3};
+use trisect_core::{Culling, Hit, Output, Precision, Ray, Scalar as _, Triangle, Vec3};
 use trisect_oracle::{Exact, Oracle};
 
 use crate::arguments::{self, Query};
@@ -21,13 +21,32 @@ enum Answer<E> {
     /// Some hit, no matter which.
     Any,
     Closest(u32, Hit<E>),
+    /// The closest, of a method that gives no barycentrics.
+    Bare(u32, E),
 }
 
 #[derive(Serialize)]
 #[serde(untagged)]
 enum Line<E> {
-    Flag { ray: usize, hit: bool },
-    Closest { ray: usize, hit: bool, triangle: u32, t: E, beta: E, gamma: E },
+    Flag {
+        ray: usize,
+        hit: bool,
+    },
+    Closest {
+        ray: usize,
+        hit: bool,
+        triangle: u32,
+        t: E,
+        beta: E,
+        gamma: E,
+    },
+    /// Of a method that gives no barycentrics.
+    Bare {
+        ray: usize,
+        hit: bool,
+        triangle: u32,
+        t: E,
+    },
 }
 
 pub(crate) fn run(arguments: &Query) -> Result<()> {
@@ -51,8 +70,9 @@ fn answer<E: Precision + Serialize>(
     let finder = if arguments.method == ORACLE {
         None
     } else {
-        let kernels = kernels(tasks::method(&arguments.method)?);
-        Some((kernels, choose(arguments, kernels)?))
+        let entry = tasks::method(&arguments.method)?;
+        let kernels = kernels(entry);
+        Some((entry, kernels, choose(arguments, kernels)?))
     };
     let mesh = tasks::load_mesh(&arguments.mesh)?;
     let rays = rays(tasks::load_rays(&arguments.rays)?);
@@ -60,14 +80,16 @@ fn answer<E: Precision + Serialize>(
     let culling = arguments.cull.into();
     let answers = match finder {
         None => truth(&rays, &triangles, culling, arguments.any),
-        Some((kernels, finder)) => {
-            let scene = (kernels.prepare)(&triangles, &rays);
+        Some((entry, kernels, finder)) => {
+            let weighs = entry.info.gives(Output::Barycentrics);
+            let scene = (kernels.prepare)(&triangles, &rays)
+                .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.mesh.display()))?;
             if arguments.any {
                 let any = finder.any(&scene, culling, rays.len());
                 any.into_iter().map(|hit| if hit { Answer::Any } else { Answer::Miss }).collect()
             } else {
                 let closest = finder.closest(&scene, culling, rays.len());
-                closest.into_iter().map(Answer::widened).collect()
+                closest.into_iter().map(|closest| Answer::widened(closest, weighs)).collect()
             }
         }
     };
@@ -88,7 +110,18 @@ fn choose<E: Precision>(
     let here = here.join(", ");
     let precision = arguments.precision.name();
     let width = arguments.width.lanes();
-    let Some(finder) = kernels.plain_finder(width, arguments.division.name()) else {
+    let division = arguments.division.map(arguments::Division::name);
+    if let Some(division) = division
+        && kernels.divisions().all(|other| other != division)
+    {
+        let other: Vec<_> = kernels.divisions().collect();
+        bail!(
+            "{} has no {division} division; leave --division out or use {}",
+            arguments.method,
+            other.join(", ")
+        );
+    }
+    let Some(finder) = kernels.plain_finder(width, division) else {
         let width = width.map_or("native".to_owned(), |width| width.to_string());
         bail!("{precision} has no width {width}; use --width native or one of {here}");
     };
@@ -148,10 +181,14 @@ fn is_seen<E: Precision>(ray: &Ray<E>, triangle: &Triangle<E>, culling: Culling)
 
 impl<E: Precision> Answer<E> {
     /// From a finder, whose numbers were widened exactly.
-    fn widened(closest: Option<(u32, Hit<f64>)>) -> Self {
+    fn widened(closest: Option<(u32, Hit<f64>)>, weighs: bool) -> Self {
         closest.map_or(Self::Miss, |(number, Hit { t, beta, gamma })| {
             let [t, beta, gamma] = [t, beta, gamma].map(E::from_f64);
-            Self::Closest(number, Hit { t, beta, gamma })
+            if weighs {
+                Self::Closest(number, Hit { t, beta, gamma })
+            } else {
+                Self::Bare(number, t)
+            }
         })
     }
 }
@@ -174,6 +211,7 @@ impl<E: Serialize> Answer<E> {
             Self::Closest(triangle, Hit { t, beta, gamma }) => {
                 Line::Closest { ray, hit: true, triangle, t, beta, gamma }
             }
+            Self::Bare(triangle, t) => Line::Bare { ray, hit: true, triangle, t },
         };
         serde_json::to_writer(&mut *out, &line)?;
         out.write_all(b"\n")

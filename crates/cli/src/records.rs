@@ -1,9 +1,9 @@
 //! `rank`, `cmp` and `report`: what is made of records.
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, anyhow, bail};
 use serde::Serialize;
 use trisect_harness::record::{Record, Records};
 use trisect_report::Filter;
@@ -61,8 +61,29 @@ pub(crate) fn compare(arguments: &Cmp) -> Result<()> {
 
 pub(crate) fn report(arguments: &Report) -> Result<()> {
     let records = read(&arguments.record)?;
+    if !arguments.splice.is_empty() {
+        return splice(&records, &arguments.splice);
+    }
     output::check_folder(&arguments.output)?;
     publish(&records, &arguments.output, arguments.json)
+}
+
+/// Makes what stands between markers anew: in all documents, or where one is not sound in none.
+fn splice(records: &Records, documents: &[PathBuf]) -> Result<()> {
+    let mut spliced = Vec::new();
+    for path in documents {
+        let document = std::fs::read_to_string(path).map_err(|error| {
+            anyhow!("{}: cannot be read ({error}); check the path", path.display())
+        })?;
+        let text = trisect_report::splice(&document, records)
+            .with_context(|| path.display().to_string())?;
+        spliced.push((path, text));
+    }
+    for (path, text) in spliced {
+        output::write_file(path, |out| out.write_all(text.as_bytes()))?;
+        eprintln!("spliced {}", path.display());
+    }
+    Ok(())
 }
 
 /// Writes the page and prints the summary.

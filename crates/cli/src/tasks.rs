@@ -8,7 +8,7 @@ use trisect_catalog::{Entry, entries, find};
 use trisect_core::{Culling, Hit, Ray};
 use trisect_harness::Task;
 use trisect_harness::record::Family;
-use trisect_workloads::{Light, Mesh, RaysFile, Workload};
+use trisect_workloads::{Light, Mesh, RaysFile, Share, Workload};
 
 use crate::arguments::{Measurement, Subjects};
 
@@ -24,12 +24,23 @@ struct Size {
     hit_rate: usize,
     /// Triangles of the largest working set, as a power of two.
     working_set: u32,
+    /// Rays aimed at edges.
+    edges: usize,
 }
 
+/// The closed sphere has 20·4^n triangles.
+const SPHERE: u32 = 3;
+
 const QUICK: Size =
-    Size { random: 512, picture: 12, timed_rays: 16, hit_rate: 500, working_set: 20 };
-const FULL: Size =
-    Size { random: 1024, picture: 24, timed_rays: 64, hit_rate: 1000, working_set: 22 };
+    Size { random: 512, picture: 8, timed_rays: 16, hit_rate: 400, working_set: 18, edges: 10_000 };
+const FULL: Size = Size {
+    random: 1024,
+    picture: 24,
+    timed_rays: 64,
+    hit_rate: 1000,
+    working_set: 20,
+    edges: 100_000,
+};
 
 /// The methods named, or all.
 pub(crate) fn methods(names: &[String]) -> Result<Vec<&'static Entry>> {
@@ -49,10 +60,7 @@ pub(crate) fn methods(names: &[String]) -> Result<Vec<&'static Entry>> {
 
 /// The method of that name.
 pub(crate) fn method(name: &str) -> Result<&'static Entry> {
-    find(name).ok_or_else(|| {
-        let known: Vec<_> = entries().iter().map(|entry| entry.info.name).collect();
-        anyhow!("unknown method `{name}`; `trisect list` shows them: {}", known.join(", "))
-    })
+    find(name).ok_or_else(|| anyhow!("unknown method `{name}`; `trisect list` shows what there is"))
 }
 
 /// The meshes named, or the bunny.
@@ -98,8 +106,8 @@ pub(crate) fn load_rays(path: &Path) -> Result<RaysFile> {
     Ok(trisect_workloads::read_rays(path)?)
 }
 
-/// The workloads of a comparison: random, each mesh with its four sets of rays, and the two
-/// series. They are made when they are asked for, and dropped when they are done with.
+/// The workloads of a comparison: random, each mesh with its four sets of rays, the two series,
+/// packets, and rays aimed at edges. They are made when they are asked for, and dropped when they are done with.
 pub(crate) fn comparison(
     measurement: &Measurement,
     meshes: Vec<Mesh>,
@@ -127,11 +135,20 @@ pub(crate) fn comparison(
         let rays = (1 << 20 >> power).max(1);
         task(trisect_workloads::working_set(seed, rays, 1 << power), Family::WorkingSet, rays)
     });
-    random.chain(meshes).chain(hit_rates).chain(working_sets)
+    let packets = [Share::Origin, Share::Direction].into_iter().map(move |share| {
+        let workload = trisect_workloads::random_sharing(seed, share, size.random, size.random);
+        task(workload, Family::Packets, size.random)
+    });
+    let edges = std::iter::once_with(move || edges(seed, size.edges));
+    random.chain(meshes).chain(hit_rates).chain(working_sets).chain(packets).chain(edges)
 }
 
-/// The workloads of a verification: random, unless there are meshes; each mesh with `rays`, or
-/// with its four sets.
+fn edges(seed: u64, rays: usize) -> Task {
+    task(trisect_workloads::edge_aimed(seed, rays, SPHERE), Family::Edges, 0)
+}
+
+/// The workloads of a verification: random rays and rays aimed at edges, unless there are meshes;
+/// each mesh with `rays`, or with its four sets.
 pub(crate) fn verification(
     subjects: &Subjects,
     meshes: &[Mesh],
@@ -140,7 +157,7 @@ pub(crate) fn verification(
     let seed = subjects.seed;
     if meshes.is_empty() {
         let workload = trisect_workloads::random(seed, QUICK.random, QUICK.random);
-        return vec![task(workload, Family::Random, 0)];
+        return vec![task(workload, Family::Random, 0), edges(seed, QUICK.edges)];
     }
     let workloads = meshes.iter().flat_map(|mesh| match rays {
         Some(rays) => vec![Workload {
@@ -178,10 +195,10 @@ fn mesh_workloads(seed: u64, mesh: &Mesh, picture: usize) -> Vec<Workload> {
 /// The closest hit of each ray, by the first method of the catalogue.
 fn closest(rays: &[Ray<f32>], mesh: &Mesh) -> Vec<Option<(usize, Hit<f32>)>> {
     let kernels = &entries()[0].f32;
-    let scene = (kernels.prepare)(&mesh.triangles, rays);
-    let finder = kernels
-        .plain_finder(None, "deferred")
-        .expect("a plain finder is compiled for every processor");
+    let scene = (kernels.prepare)(&mesh.triangles, rays)
+        .expect("the first method of the catalogue takes every mesh");
+    let finder =
+        kernels.plain_finder(None, None).expect("a plain finder is compiled for every processor");
     let narrow = |x: f64| trisect_core::Scalar::from_f64(x);
     finder
         .closest(&scene, Culling::None, rays.len())

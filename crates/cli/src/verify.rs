@@ -95,7 +95,7 @@ fn table(records: &Records, out: &mut dyn Write) -> io::Result<()> {
                 for differs in &agreement.differs_from_oracle {
                     writeln!(
                         out,
-                        "  {:<22} differs from the oracle on {}",
+                        "  {:<30} differs from the oracle on {}",
                         differs.method, differs.count
                     )?;
                 }

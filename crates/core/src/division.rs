@@ -2,10 +2,11 @@
 //! whether to leave early. All of it is type parameters of one function, so that what is not
 //! used costs nothing.
 
-use crate::geometry::Hit;
+use crate::geometry::{Hit, Ray};
 use crate::lanes::{Lanes, Scalar};
-use crate::method::Method;
+use crate::method::{Homogeneous, Method};
 use crate::record::Of;
+use crate::weights::Alpha as _;
 
 /// The values of `t` that count as hits: `tmin ≤ t ≤ tmax`.
 #[derive(Clone, Copy, Debug)]
@@ -17,6 +18,16 @@ pub struct Interval<L> {
 }
 
 impl<L: Lanes> Interval<L> {
+    /// The interval of a ray, see [`Interval::new`]; one that nothing is in for a ray that is not
+    /// finite, so that no formula has to mind what an infinity does to it.
+    #[allow(clippy::eq_op, reason = "x − x is NaN where x is not finite")]
+    #[inline(always)]
+    pub fn of(ray: &Ray<L>) -> Self {
+        // Zero, or NaN where a coordinate is infinite or NaN.
+        let nothing = (ray.o - ray.o) + (ray.d - ray.d);
+        Self::new(ray.tmin + nothing.sum(), ray.tmax)
+    }
+
     /// The closed interval, its ends brought within half the largest finite number, so that no
     /// hit can carry an infinite `t` however its quotient rounds.
     #[inline(always)]
@@ -62,18 +73,23 @@ impl Reciprocal for TrueDivision {
 }
 
 /// The processor's estimate and Newton steps: one for f32, where the estimate has eleven bits or
-/// more. Precisions and instruction sets without an estimate divide.
+/// more, three for f64. Precisions and instruction sets without an estimate divide.
 pub struct Newton;
 
 impl Reciprocal for Newton {
     const NAME: &'static str = "newton";
     #[inline(always)]
     fn reciprocal<L: Lanes>(x: L) -> L {
-        let r = x.reciprocal_estimate();
-        // r' = r + r·(1 − x·r)
         let one = x.constant(L::Elem::from_f64(1.0));
-        let residual = -x.mul_sub(r, one);
-        r.mul_add(residual, r)
+        // Each step doubles the bits that are right: 11, 22 and, for f64, 44, 88.
+        let steps = if size_of::<L::Elem>() > size_of::<f32>() { 3 } else { 1 };
+        let mut r = x.reciprocal_estimate();
+        for _ in 0..steps {
+            // r' = r + r·(1 − x·r)
+            let residual = -x.mul_sub(r, one);
+            r = r.mul_add(residual, r);
+        }
+        r
     }
 }
 
@@ -85,6 +101,15 @@ pub trait Division: 'static {
     const RECIPROCAL: &'static str;
     /// Whether a test ends as soon as no lane can hit.
     const EARLY_OUT: bool;
+
+    /// `1 / x` as the division has it.
+    fn reciprocal<L: Lanes>(x: L) -> L;
+
+    /// Whether a test ends here: nothing hits, and the division leaves early.
+    #[inline(always)]
+    fn stops<L: Lanes>(mask: L::Mask) -> bool {
+        Self::EARLY_OUT && !L::any(mask)
+    }
 
     /// Tests one vector of pairs and hands the lanes that hit, with their values, to `found`;
     /// without early-out `found` is called even when no lane hits.
@@ -107,6 +132,11 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Early<R, EARLY_OUT> {
     const EARLY_OUT: bool = EARLY_OUT;
 
     #[inline(always)]
+    fn reciprocal<L: Lanes>(x: L) -> L {
+        R::reciprocal(x)
+    }
+
+    #[inline(always)]
     fn test<M: Method, L: Lanes>(
         ray: &M::PreparedRay<L>,
         triangle: &Of<M::Prepared, L>,
@@ -114,26 +144,25 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Early<R, EARLY_OUT> {
         culling: Culling,
         found: impl FnOnce(L::Mask, Hit<L>),
     ) {
-        let (det, hit) = M::intersect_early(
+        let q = M::intersect_early(
             ray,
             triangle,
             #[inline(always)]
             |det| R::reciprocal(det),
         );
-        let zero = det.constant(L::Elem::from_f64(0.0));
-        let one = det.constant(L::Elem::from_f64(1.0));
-        let mut mask =
-            seen::<M, L>(hit.t.ge(interval.tmin) & hit.t.le(interval.tmax), triangle, det, culling);
+        let one = q.det.constant(L::Elem::from_f64(1.0));
+        let in_time = q.t.ge(interval.tmin) & q.t.le(interval.tmax);
+        let mut mask = seen::<M, L>(in_time, ray, triangle, q.det, culling);
         // With lanes a single branch, after all tests: some lane mostly passes the first, and a branch
         // that is hard to predict costs more than the tests that it skips.
-        if EARLY_OUT && L::N == 1 && !L::any(mask) {
+        if L::N == 1 && Self::stops::<L>(mask) {
             return;
         }
-        mask = mask & hit.beta.ge(zero) & hit.gamma.ge(zero) & (hit.beta + hit.gamma).le(one);
-        if EARLY_OUT && !L::any(mask) {
+        mask = mask & q.alpha.inside(q.beta, q.gamma, one);
+        if Self::stops::<L>(mask) {
             return;
         }
-        found(mask, hit);
+        found(mask, q.hit());
     }
 }
 
@@ -149,6 +178,11 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
     const EARLY_OUT: bool = EARLY_OUT;
 
     #[inline(always)]
+    fn reciprocal<L: Lanes>(x: L) -> L {
+        R::reciprocal(x)
+    }
+
+    #[inline(always)]
     fn test<M: Method, L: Lanes>(
         ray: &M::PreparedRay<L>,
         triangle: &Of<M::Prepared, L>,
@@ -157,38 +191,67 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
         found: impl FnOnce(L::Mask, Hit<L>),
     ) {
         let h = M::intersect(ray, triangle);
-        let zero = h.det.constant(L::Elem::from_f64(0.0));
-        let smallest = zero.constant(L::Elem::smallest_det());
-        let largest = zero.constant(L::Elem::largest_t());
-        let det = h.det.xor_sign(h.det);
-        let beta = h.beta.xor_sign(h.det);
-        let gamma = h.gamma.xor_sign(h.det);
-        let t = h.t.xor_sign(h.det);
-        let mask = beta.ge(zero) & gamma.ge(zero) & (beta + gamma).le(det) & det.ge(smallest);
-        if EARLY_OUT && !L::any(mask) {
+        let front = h.positive();
+        let mask = front.inside();
+        if Self::stops::<L>(mask) {
             return;
         }
-        let mask = seen::<M, L>(
-            // As differences, so that an infinite t' against an infinite end is NaN and misses.
-            mask & interval.tmin.mul_sub(det, t).le(zero)
-                & interval.tmax.mul_sub(det, t).ge(zero)
-                & det.le(largest),
-            triangle,
-            h.det,
-            culling,
-        );
-        if EARLY_OUT && !L::any(mask) {
+        let mask = seen::<M, L>(mask & front.in_time(interval), ray, triangle, h.det, culling);
+        if Self::stops::<L>(mask) {
             return;
         }
-        let r = R::reciprocal(det);
-        found(mask, Hit { t: t * r, beta: beta * r, gamma: gamma * r });
+        found(mask, front.hit(R::reciprocal(front.det)));
     }
 }
 
-/// `mask` without the lanes whose face is culled.
+impl<L: Lanes, A: crate::weights::Alpha<L>> Homogeneous<L, A> {
+    /// The same numbers with a denominator that is not negative: the signs of all flipped where
+    /// that of `det` is set.
+    #[inline(always)]
+    #[must_use]
+    pub fn positive(self) -> Self {
+        let Self { det, t, alpha, beta, gamma } = self;
+        Self {
+            det: det.xor_sign(det),
+            t: t.xor_sign(det),
+            alpha: alpha.xor_sign(det),
+            beta: beta.xor_sign(det),
+            gamma: gamma.xor_sign(det),
+        }
+    }
+
+    /// Where the point is inside, of [`positive`](Homogeneous::positive) numbers: no weight is
+    /// negative, and `det` is neither zero nor subnormal.
+    #[inline(always)]
+    pub fn inside(self) -> L::Mask {
+        let smallest = self.det.constant(L::Elem::smallest_det());
+        self.alpha.inside(self.beta, self.gamma, self.det) & self.det.ge(smallest)
+    }
+
+    /// Where `t` is in the interval and `det` has not overflowed, of
+    /// [`positive`](Homogeneous::positive) numbers.
+    #[inline(always)]
+    pub fn in_time(self, interval: Interval<L>) -> L::Mask {
+        let zero = self.det.constant(L::Elem::from_f64(0.0));
+        let largest = self.det.constant(L::Elem::largest_t());
+        // As differences, so that an infinite t against an infinite end is NaN and misses.
+        interval.tmin.mul_sub(self.det, self.t).le(zero)
+            & interval.tmax.mul_sub(self.det, self.t).ge(zero)
+            & self.det.le(largest)
+    }
+
+    /// The hit, given `1 / det`.
+    #[inline(always)]
+    pub fn hit(self, reciprocal: L) -> Hit<L> {
+        Hit { t: self.t * reciprocal, beta: self.beta * reciprocal, gamma: self.gamma * reciprocal }
+    }
+}
+
+/// `mask` without the lanes whose face is culled, of pairs prepared for `M`.
 #[inline(always)]
-fn seen<M: Method, L: Lanes>(
+pub fn seen<M: Method, L: Lanes>(
     mask: L::Mask,
+    ray: &M::PreparedRay<L>,
     triangle: &Of<M::Prepared, L>,
     det: L,
     culling: Culling,
@@ -196,7 +259,7 @@ fn seen<M: Method, L: Lanes>(
     let zero = det.constant(L::Elem::from_f64(0.0));
     match culling {
         Culling::None => mask,
-        Culling::Back => mask & M::facing(triangle, det).gt(zero),
-        Culling::Front => mask & M::facing(triangle, det).lt(zero),
+        Culling::Back => mask & M::facing(ray, triangle, det).gt(zero),
+        Culling::Front => mask & M::facing(ray, triangle, det).lt(zero),
     }
 }

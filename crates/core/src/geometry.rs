@@ -49,6 +49,19 @@ impl<X: Copy> Vec3<X> {
             _ => unreachable!("an axis is 0, 1 or 2"),
         }
     }
+
+    /// Back from [`with_axis_last`](Vec3::with_axis_last).
+    ///
+    /// # Panics
+    /// When `w` is not an axis (0, 1 or 2).
+    #[inline(always)]
+    pub fn with_axis_restored(self, w: usize) -> Self {
+        match w {
+            0 => self.with_axis_last(1),
+            1 => self.with_axis_last(0),
+            _ => self.with_axis_last(w),
+        }
+    }
 }
 
 impl<X> From<[X; 3]> for Vec3<X> {
@@ -81,6 +94,12 @@ impl<X: Number> Vec3<X> {
         Self::new(self.x * factor, self.y * factor, self.z * factor)
     }
 
+    /// The sum of the coordinates.
+    #[inline(always)]
+    pub fn sum(self) -> X {
+        self.x + (self.y + self.z)
+    }
+
     /// `self · factor + other`, coordinate by coordinate.
     #[inline(always)]
     pub fn mul_add(self, factor: X, other: Self) -> Self {
@@ -89,6 +108,21 @@ impl<X: Number> Vec3<X> {
             self.y.mul_add(factor, other.y),
             self.z.mul_add(factor, other.z),
         )
+    }
+}
+
+impl<X: Scalar> Vec3<X> {
+    /// The axis (0, 1 or 2) of the coordinate that is largest in magnitude; the first of equals.
+    #[inline(always)]
+    pub fn largest_axis(self) -> usize {
+        let Self { x, y, z } = self.map(X::abs);
+        if x >= y && x >= z {
+            0
+        } else if y >= z {
+            1
+        } else {
+            2
+        }
     }
 }
 
@@ -167,6 +201,22 @@ impl<X> Ray<X> {
     }
 }
 
+impl<X: Copy> Ray<X> {
+    /// The ray with axis `w` renamed to the last, see [`Vec3::with_axis_last`].
+    #[inline(always)]
+    pub fn with_axis_last(&self, w: usize) -> Self {
+        Self { o: self.o.with_axis_last(w), d: self.d.with_axis_last(w), ..*self }
+    }
+}
+
+impl<X: Number> Ray<X> {
+    /// The point `o + t·d`.
+    #[inline(always)]
+    pub fn at(&self, t: X) -> Vec3<X> {
+        self.d.mul_add(t, self.o)
+    }
+}
+
 impl Ray<f32> {
     /// The ray from `o` along `d` with `t` in `[0, ∞]`.
     pub fn new(o: impl Into<Vec3<f32>>, d: impl Into<Vec3<f32>>) -> Self {
@@ -206,6 +256,13 @@ impl<X> Triangle<X> {
 }
 
 impl<X: Copy> Triangle<X> {
+    /// The triangle with axis `w` renamed to the last, see [`Vec3::with_axis_last`].
+    #[inline(always)]
+    pub fn with_axis_last(&self, w: usize) -> Self {
+        let [a, b, c] = self.corners().map(|v| v.with_axis_last(w));
+        Self { a, b, c }
+    }
+
     /// The corners in order.
     pub fn corners(self) -> [Vec3<X>; 3] {
         [self.a, self.b, self.c]
@@ -213,13 +270,25 @@ impl<X: Copy> Triangle<X> {
 }
 
 impl<X: Scalar> Triangle<X> {
+    /// The axis along which the normal is largest: along it the triangle's shadow is largest.
+    #[inline(always)]
+    pub fn projection_axis(&self) -> usize {
+        self.normal().largest_axis()
+    }
+
+    /// The normal `(b − a) × (c − a)`, as long as twice the area; it points from the front.
+    #[inline(always)]
+    pub fn normal(&self) -> Vec3<X> {
+        (self.b - self.a).cross(self.c - self.a)
+    }
+
     /// Whether the normal `(b − a) × (c − a)` is computed as zero: so it is where two corners are
     /// equal, and where it underflows. For methods whose formula does not form the normal, and
     /// would otherwise take its rounding errors for one.
     #[inline(always)]
     pub fn is_degenerate(&self) -> bool {
         let zero = X::from_f64(0.0);
-        (self.b - self.a).cross(self.c - self.a) == Vec3::new(zero, zero, zero)
+        self.normal() == Vec3::new(zero, zero, zero)
     }
 }
 

@@ -72,6 +72,31 @@ pub trait Lanes: Number {
     /// `s.xor_sign(s)`.
     #[must_use]
     fn xor_sign(self, s: Self) -> Self;
+    /// Where `self` is zero, of either sign.
+    #[inline(always)]
+    fn is_zero(self) -> Self::Mask {
+        let zero = self.constant(Self::Elem::from_f64(0.0));
+        self.le(zero) & self.ge(zero)
+    }
+    /// The number itself, or NaN where it is infinite: what is divided by it then never hits.
+    #[allow(clippy::eq_op, reason = "x − x is NaN where x is infinite")]
+    #[inline(always)]
+    #[must_use]
+    fn or_nan(self) -> Self {
+        self + (self - self)
+    }
+    /// The magnitude.
+    #[inline(always)]
+    #[must_use]
+    fn magnitude(self) -> Self {
+        self.xor_sign(self)
+    }
+    /// The smaller of two; `b` where either is NaN.
+    #[inline(always)]
+    #[must_use]
+    fn min(self, b: Self) -> Self {
+        Self::select(self.lt(b), self, b)
+    }
     /// `a` where `m` holds, else `b`.
     #[must_use]
     fn select(m: Self::Mask, a: Self, b: Self) -> Self;
@@ -100,6 +125,17 @@ pub trait Scalar:
     #[inline(always)]
     fn smallest_det() -> Self {
         Self::from_f64(f64::MIN_POSITIVE)
+    }
+    /// The unit roundoff of the precision: half the distance from 1 to the next number.
+    #[inline(always)]
+    fn unit_roundoff() -> Self {
+        Self::from_f64(f64::EPSILON / 2.0)
+    }
+    /// `2^s + 1` for Veltkamp's splitting of a number of `p` significant bits into halves of
+    /// `p − s` and `s − 1` bits, `s = ⌈p/2⌉`.
+    #[inline(always)]
+    fn splitter() -> Self {
+        Self::from_f64(f64::from((1_u32 << 27) + 1))
     }
     /// `|self|`
     #[must_use]
@@ -190,7 +226,7 @@ macro_rules! single_lane {
 }
 
 macro_rules! scalar {
-    ($float:ident, $bits:ident) => {
+    ($float:ident, $bits:ident, $splitter:literal) => {
         single_lane!($float {
             #[inline(always)]
             fn reciprocal_estimate(self) -> Self {
@@ -225,6 +261,14 @@ macro_rules! scalar {
                 $float::MIN_POSITIVE
             }
             #[inline(always)]
+            fn unit_roundoff() -> Self {
+                $float::EPSILON / 2.0
+            }
+            #[inline(always)]
+            fn splitter() -> Self {
+                $splitter
+            }
+            #[inline(always)]
             fn abs(self) -> Self {
                 $float::abs(self)
             }
@@ -242,8 +286,8 @@ macro_rules! scalar {
         }
     };
 }
-scalar!(f32, u32);
-scalar!(f64, u64);
+scalar!(f32, u32, 4_097.0);
+scalar!(f64, u64, 134_217_729.0);
 
 /// How `a · b + c` rounds.
 pub trait Arithmetic: Copy + Debug + Send + Sync + 'static {

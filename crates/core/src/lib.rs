@@ -1,30 +1,44 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-mod block;
+mod cost;
+mod counting;
 mod division;
+mod frame;
 mod geometry;
+mod info;
+mod input;
 mod kernel;
 mod lanes;
 mod method;
 mod needs;
 mod number;
-mod plane_first;
+mod planes;
+mod prepared;
 mod record;
 mod single;
 mod tier;
+mod weights;
 
-pub use block::{BLOCK, PADDING, Packet, PreparedTriangles};
+pub use cost::{Cost, cost};
+pub use counting::{Counting, Ops, counted};
 pub use division::{
-    Culling, Deferred, Division, Early, Interval, Newton, Reciprocal, TrueDivision,
+    Culling, Deferred, Division, Early, Interval, Newton, Reciprocal, TrueDivision, seen,
 };
+pub use frame::{Anchor, Constants, Corner, Frame, Function, Start, Vertex, World};
 pub use geometry::{Hit, Ray, Triangle, Vec3};
-pub use kernel::{one_ray, one_triangle};
+pub use info::{Claims, Forms, Input, MethodInfo, Output};
+pub use input::Corners;
+pub use kernel::{
+    CommonDirection, CommonOrigin, Shared, Tested, one_ray, one_triangle, shared_packets,
+};
 pub use lanes::{Arithmetic, Float, Fused, Lanes, Plain, Scalar, Vector};
-pub use method::{Homogeneous, Method, MethodInfo, MethodVisitor};
-pub use needs::{Barycentrics, Distance, Needs, Occlusion};
+pub use method::{Homogeneous, Method, MethodVisitor, Quotients, RayParts};
+pub use needs::{Barycentrics, Distance, Needs, Normal, Occlusion, Point};
 pub use number::Number;
-pub use plane_first::PlaneFirst;
+pub use planes::{Functions, MappedRay, PlaneFirst, Slopes, ThreePlanes};
+pub use prepared::{BLOCK, Common, PADDING, Packets, PreparedTriangles, UnsuitableMesh};
 pub use record::{Of, Record, field};
-pub use single::{intersect, intersect_with};
+pub use single::{PreparedPair, intersect, intersect_with};
 pub use tier::{InstructionSet, LanesVisitor, Precision, Token};
+pub use weights::{Alpha, Given, Implied};

@@ -1,60 +1,110 @@
 //! What a ray–triangle method is.
 
-use crate::geometry::{Hit, Ray, Triangle};
+use crate::division::{Culling, Division, Interval};
+use crate::geometry::{Hit, Ray, Triangle, Vec3};
+use crate::info::MethodInfo;
 use crate::lanes::{Lanes, Scalar};
+use crate::prepared::UnsuitableMesh;
 use crate::record::{Of, Record};
+use crate::weights::{Alpha, Implied};
 
 /// Where a line meets a plane, before division: `t = t/det`, `beta = beta/det`,
 /// `gamma = gamma/det`. `det = 0` where the ray is parallel to the plane.
+///
+/// A method that answers with a flag and `t` alone (see [`MethodInfo::outputs`]) gives as weights
+/// any numbers that have the sign of `det`, or none, where the point is inside.
 #[derive(Clone, Copy, Debug)]
-pub struct Homogeneous<L> {
+pub struct Homogeneous<L, A = Implied> {
     /// The common denominator; its sign is the method's own.
     pub det: L,
     /// Numerator of `t`.
     pub t: L,
+    /// Numerator of `alpha`, where the method computes it.
+    pub alpha: A,
     /// Numerator of `beta`.
     pub beta: L,
     /// Numerator of `gamma`.
     pub gamma: L,
 }
 
-/// Facts about a method, for lists, pages and records.
+/// Where a line meets a plane, after division.
 #[derive(Clone, Copy, Debug)]
-pub struct MethodInfo {
-    /// Name as typed on the command line: lower case, hyphens.
-    pub name: &'static str,
-    /// Name in prose.
-    pub title: &'static str,
-    /// Year of publication.
-    pub year: u16,
-    /// Authors, title, place, section.
-    pub source: &'static str,
-    /// What it can return, of `hit`, `t`, `beta`, `gamma`.
-    pub outputs: &'static [&'static str],
-    /// The claim behind its error bound in well-conditioned cases, as a multiple of
-    /// `κ · unit roundoff`: the conformance tests hold the method to it.
-    pub error_factor: f64,
+pub struct Quotients<L, A = Implied> {
+    /// The denominator that was divided by.
+    pub det: L,
+    /// `t`
+    pub t: L,
+    /// `alpha`, where the method computes it.
+    pub alpha: A,
+    /// `beta`
+    pub beta: L,
+    /// `gamma`
+    pub gamma: L,
+}
+
+impl<L, A> Quotients<L, A> {
+    /// What a hit returns of it.
+    #[inline(always)]
+    pub fn hit(self) -> Hit<L> {
+        Hit { t: self.t, beta: self.beta, gamma: self.gamma }
+    }
+}
+
+/// What is computed once per ray, in parts, so that rays of a packet may share what depends on a
+/// common origin or direction alone: a loop over the rays then computes it once.
+pub trait RayParts: Copy {
+    /// Takes over what depends on the origin alone.
+    fn take_origin(&mut self, from: &Self);
+    /// Takes over what depends on the direction alone.
+    fn take_direction(&mut self, from: &Self);
+}
+
+impl<L: Lanes> RayParts for Ray<L> {
+    #[inline(always)]
+    fn take_origin(&mut self, from: &Self) {
+        self.o = from.o;
+    }
+    #[inline(always)]
+    fn take_direction(&mut self, from: &Self) {
+        self.d = from.d;
+    }
 }
 
 /// A ray–triangle method: how a triangle is prepared and one formula over lanes.
 ///
 /// Everything under a kernel is inlined by hand, since a function that stays out of line does not
 /// get the instruction set of its caller: mark each function and closure `#[inline(always)]`.
-pub trait Method: Send + Sync + 'static {
+pub trait Method: Send + Sync + Sized + 'static {
     /// Facts for lists and pages.
     const INFO: MethodInfo;
     /// How many kinds of triangles the formula tells apart. Triangles are stored sorted by kind,
     /// and a ray is prepared once per kind: a projected axis costs nothing per test.
     const GROUPS: usize = 1;
+    /// Whether space is turned, by renaming its axes, so that the direction of a ray is longest
+    /// along the last one before anything sees ray or triangle. Costs nothing per test: the rays of
+    /// a packet are chosen to share the axis.
+    const TURNS: bool = false;
     /// What is stored per triangle.
     type Prepared: Record;
     /// What is computed once per ray (and group).
-    type PreparedRay<L: Lanes>: Copy;
+    type PreparedRay<L: Lanes>: RayParts;
+    /// Whether the weight of corner `A` is computed ([`Given`](crate::Given)) or implied by the
+    /// two others ([`Implied`]).
+    type Alpha<L: Lanes>: Alpha<L>;
 
     /// The kind of a triangle, below [`GROUPS`](Method::GROUPS).
     #[inline(always)]
     fn group<X: Scalar>(_triangle: &Triangle<X>) -> usize {
         0
+    }
+
+    /// The kind that all triangles of a mesh are prepared as, for methods that fix it for the whole
+    /// mesh; by default each has its own.
+    ///
+    /// # Errors
+    /// When the method cannot take the mesh.
+    fn mesh_group<X: Scalar>(_triangles: &[Triangle<X>]) -> Result<Option<usize>, UnsuitableMesh> {
+        Ok(None)
     }
 
     /// What is stored for a triangle of kind `group`. A degenerate triangle gets data that never
@@ -65,29 +115,61 @@ pub trait Method: Send + Sync + 'static {
     fn prepare_ray<L: Lanes>(ray: &Ray<L>, group: usize) -> Self::PreparedRay<L>;
 
     /// The formula.
+    ///
+    /// # Panics
+    /// Where the method has the early form alone and does not give another.
+    #[inline(always)]
     fn intersect<L: Lanes>(
-        ray: &Self::PreparedRay<L>,
-        triangle: &Of<Self::Prepared, L>,
-    ) -> Homogeneous<L>;
+        _ray: &Self::PreparedRay<L>,
+        _triangle: &Of<Self::Prepared, L>,
+    ) -> Homogeneous<L, Self::Alpha<L>> {
+        unreachable!("a form of the division is used where it is listed alone")
+    }
 
     /// The formula with the division first: `reciprocal(det)` is the only division allowed.
-    /// Returns the denominator and the quotients. Override where that saves products.
+    /// Override where that saves products.
     #[inline(always)]
     fn intersect_early<L: Lanes>(
         ray: &Self::PreparedRay<L>,
         triangle: &Of<Self::Prepared, L>,
         reciprocal: impl Fn(L) -> L,
-    ) -> (L, Hit<L>) {
-        let h = Self::intersect(ray, triangle);
-        let r = reciprocal(h.det);
-        (h.det, Hit { t: h.t * r, beta: h.beta * r, gamma: h.gamma * r })
+    ) -> Quotients<L, Self::Alpha<L>> {
+        let Homogeneous { det, t, alpha, beta, gamma } = Self::intersect(ray, triangle);
+        let r = reciprocal(det);
+        Quotients { det, t: t * r, alpha: alpha.scale(r), beta: beta * r, gamma: gamma * r }
     }
 
     /// Positive where the ray meets the front face (from which the corners run
     /// counter-clockwise), negative at the back. The default holds for `det = −D·N`.
     #[inline(always)]
-    fn facing<L: Lanes>(_triangle: &Of<Self::Prepared, L>, det: L) -> L {
+    fn facing<L: Lanes>(
+        _ray: &Self::PreparedRay<L>,
+        _triangle: &Of<Self::Prepared, L>,
+        det: L,
+    ) -> L {
         det
+    }
+
+    /// The normal `(B − A) × (C − A)`, with its length, of a triangle of kind `group`.
+    ///
+    /// # Panics
+    /// Unless [`MethodInfo::outputs`] lists it.
+    #[inline(always)]
+    fn normal<L: Lanes>(_triangle: &Of<Self::Prepared, L>, _group: usize) -> Vec3<L> {
+        unreachable!("a normal is asked for where it is listed alone")
+    }
+
+    /// Decides a vector of pairs as `D` says. Override where a paper's order of tests and division
+    /// is the method; see [`Division::test`].
+    #[inline(always)]
+    fn test<L: Lanes, D: Division>(
+        ray: &Self::PreparedRay<L>,
+        triangle: &Of<Self::Prepared, L>,
+        interval: Interval<L>,
+        culling: Culling,
+        found: impl FnOnce(L::Mask, Hit<L>),
+    ) {
+        D::test::<Self, L>(ray, triangle, interval, culling, found);
     }
 }
 
@@ -100,7 +182,7 @@ pub trait MethodVisitor {
 /// Names the methods of a crate: declares `pub fn methods`, which the catalogue calls.
 #[macro_export]
 macro_rules! methods {
-    ($($method:ident),+ $(,)?) => {
+    ($($method:ty),+ $(,)?) => {
         /// Visits the methods of this crate.
         pub fn methods(visitor: &mut impl $crate::MethodVisitor) {
             $(visitor.visit::<$method>();)+

@@ -1,46 +1,64 @@
 //! What a caller asks of a hit. A kernel computes what is asked and nothing else.
 
-use crate::geometry::Hit;
+use crate::geometry::{Hit, Ray};
+use crate::info::Output;
 use crate::lanes::Lanes;
+use crate::method::Method;
+use crate::record::Of;
 
 /// What a caller asks of a hit.
 pub trait Needs: 'static {
-    /// The name used in records.
-    const NAME: &'static str;
+    /// What is asked.
+    const OUTPUT: Output;
     /// Everything asked, folded into one number, so that a measured kernel can neither leave out
     /// what is asked nor be made to compute what is not; nothing where nothing is asked.
-    fn fold<L: Lanes>(hit: Hit<L>) -> Option<L>;
+    fn fold<M: Method, L: Lanes>(
+        ray: &Ray<L>,
+        triangle: &Of<M::Prepared, L>,
+        group: usize,
+        hit: Hit<L>,
+    ) -> Option<L>;
 }
 
-/// Whether there is a hit; no division, no `t`.
-pub struct Occlusion;
+macro_rules! needs {
+    ($(#[$doc:meta])* $name:ident, $output:ident, |$ray:pat_param, $triangle:pat_param, $group:pat_param, $hit:pat_param| $fold:expr) => {
+        $(#[$doc])*
+        pub struct $name;
 
-impl Needs for Occlusion {
-    const NAME: &'static str = "occlusion";
-    #[inline(always)]
-    fn fold<L: Lanes>(_hit: Hit<L>) -> Option<L> {
-        None
+        impl Needs for $name {
+            const OUTPUT: Output = Output::$output;
+            #[inline(always)]
+            fn fold<M: Method, L: Lanes>(
+                $ray: &Ray<L>,
+                $triangle: &Of<M::Prepared, L>,
+                $group: usize,
+                $hit: Hit<L>,
+            ) -> Option<L> {
+                $fold
+            }
+        }
+    };
+}
+
+needs!(
+    /// Whether there is a hit; no division, no `t`.
+    Occlusion, Occlusion, |_, _, _, _| None
+);
+needs!(
+    /// `t` alone.
+    Distance, T, |_, _, _, hit| Some(hit.t)
+);
+needs!(
+    /// `t`, `beta` and `gamma`.
+    Barycentrics, Barycentrics, |_, _, _, hit| Some(hit.t + (hit.beta + hit.gamma))
+);
+needs!(
+    /// The point `o + t·d`.
+    Point, Point, |ray, _, _, hit| Some(ray.at(hit.t).sum())
+);
+needs!(
+    /// `t`, and the normal of the triangle.
+    Normal, Normal, |_, triangle, group, hit| {
+        Some(hit.t + M::normal::<L>(triangle, group).sum())
     }
-}
-
-/// `t` alone.
-pub struct Distance;
-
-impl Needs for Distance {
-    const NAME: &'static str = "t";
-    #[inline(always)]
-    fn fold<L: Lanes>(hit: Hit<L>) -> Option<L> {
-        Some(hit.t)
-    }
-}
-
-/// `t`, `beta` and `gamma`.
-pub struct Barycentrics;
-
-impl Needs for Barycentrics {
-    const NAME: &'static str = "barycentrics";
-    #[inline(always)]
-    fn fold<L: Lanes>(hit: Hit<L>) -> Option<L> {
-        Some(hit.t + (hit.beta + hit.gamma))
-    }
-}
+);

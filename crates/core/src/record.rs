@@ -13,6 +13,43 @@ pub trait Record: 'static {
     fn map<X: Copy, Y: Copy>(from: &Self::Of<X>, f: impl FnMut(&X) -> Y) -> Self::Of<Y>;
     /// Applies `f` to each pair of numbers at the same place, in order of declaration.
     fn zip<X: Copy, Y: Copy>(to: &mut Self::Of<X>, from: &Self::Of<Y>, f: impl FnMut(&mut X, &Y));
+    /// The record with axis `w` of each vector renamed to the last, see
+    /// [`Vec3::with_axis_last`](crate::Vec3::with_axis_last).
+    fn with_axis_last<X: Copy>(from: &Self::Of<X>, w: usize) -> Self::Of<X>;
+}
+
+/// Two records side by side.
+impl<A: Record, B: Record> Record for (A, B) {
+    type Of<X: Copy> = (A::Of<X>, B::Of<X>);
+    const NUMBERS: usize = A::NUMBERS + B::NUMBERS;
+    #[inline(always)]
+    fn map<X: Copy, Y: Copy>(from: &Self::Of<X>, mut f: impl FnMut(&X) -> Y) -> Self::Of<Y> {
+        // A closure and not `&mut f`, whose call would stay out of line.
+        let first = A::map(
+            &from.0,
+            #[inline(always)]
+            |x| f(x),
+        );
+        (first, B::map(&from.1, f))
+    }
+    #[inline(always)]
+    fn zip<X: Copy, Y: Copy>(
+        to: &mut Self::Of<X>,
+        from: &Self::Of<Y>,
+        mut f: impl FnMut(&mut X, &Y),
+    ) {
+        A::zip(
+            &mut to.0,
+            &from.0,
+            #[inline(always)]
+            |x, y| f(x, y),
+        );
+        B::zip(&mut to.1, &from.1, f);
+    }
+    #[inline(always)]
+    fn with_axis_last<X: Copy>(from: &Self::Of<X>, w: usize) -> Self::Of<X> {
+        (A::with_axis_last(&from.0, w), B::with_axis_last(&from.1, w))
+    }
 }
 
 /// The record of shape `R` with numbers of type `X`.
@@ -75,8 +112,17 @@ macro_rules! record {
             ) {
                 $($crate::record!(@zip $kind to.$field, from.$field, f);)+
             }
+            #[inline(always)]
+            fn with_axis_last<X: Copy>(from: &$name<X>, w: usize) -> $name<X> {
+                $name { $($field: $crate::record!(@turn $kind from.$field, w)),+ }
+            }
         }
     };
+    (@turn vec3 $from:expr, $w:ident) => { $from.with_axis_last($w) };
+    (@turn number $from:expr, $w:ident) => {{
+        let _ = $w;
+        $from
+    }};
     (@count vec3) => { 3 };
     (@count number) => { 1 };
     (@map vec3 $from:expr, $f:ident) => {

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use trisect_catalog::{Finder, Scene};
-use trisect_core::{Culling, Hit};
+use trisect_core::{Culling, Hit, Output, Ray, Triangle, Vec3};
 
 use crate::record::{ClassCount, Quantiles};
 use crate::subject::{Subject, Truth};
@@ -29,7 +29,7 @@ pub(crate) struct Answers {
 }
 
 /// One of the numbers of a hit.
-type Quantity = fn(&Hit<f64>) -> f64;
+pub(crate) type Quantity = fn(&Hit<f64>) -> f64;
 
 /// What is compared, of a hit.
 pub(crate) const QUANTITIES: [(&str, Quantity); 3] =
@@ -51,25 +51,47 @@ impl Answers {
         &self.pairs
     }
 
-    /// What a timed kernel of the same variant must return.
-    pub(crate) fn expected(&self, needs: &str, unit_roundoff: f64) -> Expected {
+    /// What a timed kernel of the same variant must return that is asked for `asked`: the hits, and
+    /// the sum of what [`Needs::fold`](trisect_core::Needs::fold) makes of each.
+    pub(crate) fn expected(
+        &self,
+        asked: Output,
+        unit_roundoff: f64,
+        rays: &[Ray<f64>],
+        triangles: &[Triangle<f64>],
+    ) -> Expected {
         let hits = self.pairs.len() as u64;
         let (mut sum, mut magnitude) = (0.0, 0.0);
-        for Pair { hit, .. } in &self.pairs {
-            match needs {
-                "occlusion" => {}
-                "t" => {
-                    sum += hit.t;
-                    magnitude += hit.t.abs();
+        let mut add = |terms: &[f64], size: f64| {
+            sum += terms.iter().sum::<f64>();
+            magnitude += size;
+        };
+        let size = |v: Vec3<f64>| v.map(f64::abs).sum();
+        for Pair { ray, triangle, hit } in &self.pairs {
+            match asked {
+                Output::Occlusion => {}
+                Output::T => add(&[hit.t], hit.t.abs()),
+                Output::Barycentrics => {
+                    let terms = [hit.t, hit.beta, hit.gamma];
+                    add(&terms, terms.map(f64::abs).iter().sum());
                 }
-                _ => {
-                    sum += hit.t + hit.beta + hit.gamma;
-                    magnitude += hit.t.abs() + hit.beta.abs() + hit.gamma.abs();
+                Output::Point => {
+                    let ray = &rays[*ray as usize];
+                    add(&ray.at(hit.t).to_array(), size(ray.o) + size(ray.d) * hit.t.abs());
+                }
+                Output::Normal => {
+                    let triangle = &triangles[*triangle as usize];
+                    let (e1, e2) = (triangle.b - triangle.a, triangle.c - triangle.a);
+                    // Corners round before edges do, and edges before their products.
+                    let reach = size(triangle.a) + size(e1) + size(e2);
+                    let n = triangle.normal();
+                    let size = 8.0 * reach * (size(e1) + size(e2)) + hit.t.abs();
+                    add(&[hit.t, n.sum()], size);
                 }
             }
         }
-        // Two additions per hit and one into the sum, in whatever order.
-        let slack = (hits + 3) as f64 * unit_roundoff * magnitude;
+        // Up to five roundings per hit, and one addition into the sum, in whatever order.
+        let slack = (hits + 8) as f64 * unit_roundoff * magnitude;
         Expected { hits, sum, slack }
     }
 
@@ -119,6 +141,16 @@ impl Answers {
             })
             .filter(|row| row.called_hit + row.called_miss > 0)
             .collect()
+    }
+
+    /// Of that many rays those without a hit, and those with more than one.
+    pub(crate) fn none_and_many(&self, rays: usize) -> (usize, usize) {
+        let mut hits = vec![0_u32; rays];
+        for pair in &self.pairs {
+            hits[pair.ray as usize] += 1;
+        }
+        let count = |of: fn(u32) -> bool| hits.iter().filter(|&&n| of(n)).count();
+        (count(|n| n == 0), count(|n| n > 1))
     }
 
     /// The closest triangle of each ray: smallest `t`, then lowest number.

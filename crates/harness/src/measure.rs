@@ -4,14 +4,14 @@ use std::time::{Instant, SystemTime};
 
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use trisect_catalog::{Entry, Kernel, Kernels, Scene, Variant};
-use trisect_core::{Float, Precision, Ray, Triangle};
+use trisect_catalog::{Arrangement, Entry, Kernel, Kernels, Scene, Variant};
+use trisect_core::{Claims, Float, Ops, Output, Precision, Ray, Triangle};
 
-use crate::answers::{Answers, Pair, QUANTITIES};
+use crate::answers::{Answers, Pair, QUANTITIES, Quantity};
 use crate::machine;
 use crate::record::{
-    Agreement, Decisions, Error, Family, Header, MethodCount, MethodFacts, Preparation, Record,
-    Records, SCHEMA, Throughput,
+    Agreement, Cracks, Decisions, Error, Family, Header, MethodCount, MethodFacts, PartCost,
+    Preparation, Record, Records, Refusal, SCHEMA, Throughput,
 };
 use crate::subject::Subject;
 use crate::timing::{self, Contender, WrongAnswer};
@@ -81,7 +81,12 @@ pub fn measure(
             title: entry.info.title.to_owned(),
             year: entry.info.year,
             source: entry.info.source.to_owned(),
-            stored_numbers: entry.stored_numbers,
+            stored_numbers: entry.cost.stored_numbers,
+            input: entry.info.input.name().to_owned(),
+            outputs: entry.info.outputs.iter().map(|o| o.name().to_owned()).collect(),
+            divisions: entry.f32.divisions().map(ToOwned::to_owned).collect(),
+            claims: claims(entry.info.claims),
+            cost: entry.cost.parts().map(part_cost).collect(),
         })
     }));
     for task in tasks {
@@ -115,6 +120,8 @@ struct Answered {
     method: &'static str,
     precision: &'static str,
     significant_bits: i32,
+    /// Whether the method gives barycentrics.
+    weighs: bool,
     variants: Vec<(Variant, Answers)>,
 }
 
@@ -127,6 +134,9 @@ impl Run<'_> {
         self.lines.push(Record::Workload(subject.workload.clone()));
 
         let methods = self.settings.methods.clone();
+        if family == Family::Edges {
+            self.cracks(&subject);
+        }
         if matches!(family, Family::Random | Family::Mesh) {
             self.progress.phase(
                 &format!("{}: comparing answers", subject.workload.name),
@@ -134,18 +144,10 @@ impl Run<'_> {
             );
             let mut answered = Vec::new();
             for entry in &methods {
-                answered.push(self.answer(
-                    entry,
-                    &entry.f32,
-                    &subject.rays32,
-                    &subject.triangles32,
-                ));
-                answered.push(self.answer(
-                    entry,
-                    &entry.f64,
-                    &subject.rays64,
-                    &subject.triangles64,
-                ));
+                let Subject { rays32, triangles32, rays64, triangles64, .. } = &subject;
+                let name = &subject.workload.name;
+                answered.extend(self.answer(name, entry, &entry.f32, rays32, triangles32));
+                answered.extend(self.answer(name, entry, &entry.f64, rays64, triangles64));
             }
             self.errors(&subject, &answered);
             self.agreement(&subject, &answered);
@@ -178,26 +180,81 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn answer<E: Precision>(
+    /// Prepares a workload, or notes why the method cannot take it.
+    fn scene<E: Precision>(
         &mut self,
+        workload: &str,
         entry: &Entry,
         kernels: &Kernels<E>,
         rays: &[Ray<E>],
         triangles: &[Triangle<E>],
-    ) -> Answered {
-        let scene = (kernels.prepare)(triangles, rays);
-        let variants = kernels
-            .finders
-            .iter()
-            .filter(|finder| finder.variant.lane.instruction_set.is_available())
+    ) -> Option<Scene> {
+        match (kernels.prepare)(triangles, rays) {
+            Ok(scene) => Some(scene),
+            Err(unsuitable) => {
+                let refusal = Record::Refusal(Refusal {
+                    method: entry.info.name.to_owned(),
+                    precision: E::NAME.to_owned(),
+                    workload: workload.to_owned(),
+                    reason: unsuitable.reason,
+                });
+                if !self.lines.contains(&refusal) {
+                    self.lines.push(refusal);
+                }
+                None
+            }
+        }
+    }
+
+    /// The answers of each finder that computes values of its own here: plain arithmetic gives the
+    /// same bits on every width, so that the widest stands for all, and the scalar for itself where
+    /// all processors must agree.
+    fn answer<E: Precision>(
+        &mut self,
+        workload: &str,
+        entry: &Entry,
+        kernels: &Kernels<E>,
+        rays: &[Ray<E>],
+        triangles: &[Triangle<E>],
+    ) -> Option<Answered> {
+        let scene = self.scene(workload, entry, kernels, rays, triangles);
+        self.progress.step();
+        let scene = scene?;
+        let here =
+            || kernels.finders.iter().filter(|f| f.variant.lane.instruction_set.is_available());
+        let widest = here().map(|finder| finder.variant.lane.width).max()?;
+        let variants = here()
+            .filter(|finder| finder.variant.lane.width == widest)
             .map(|finder| (finder.variant, Answers::of(finder, &scene)))
             .collect();
-        self.progress.step();
-        Answered {
+        Some(Answered {
             method: entry.info.name,
             precision: E::NAME,
             significant_bits: E::SIGNIFICANT_BITS,
+            weighs: entry.info.gives(Output::Barycentrics),
             variants,
+        })
+    }
+
+    /// Counts the rays that pass through the closed surface of `subject`, per variant in f32.
+    fn cracks(&mut self, subject: &Subject) {
+        let methods = self.settings.methods.clone();
+        let Subject { rays32, triangles32, workload, .. } = subject;
+        let name = &workload.name;
+        self.progress.phase(&format!("{name}: looking for cracks"), methods.len() as u64);
+        for entry in methods {
+            if let Some(answered) = self.answer(name, entry, &entry.f32, rays32, triangles32) {
+                for (variant, answers) in &answered.variants {
+                    let (no_hit, many_hits) = answers.none_and_many(rays32.len());
+                    self.lines.push(Record::Cracks(Cracks {
+                        variant: answered.record_variant(*variant),
+                        workload: name.clone(),
+                        rays: rays32.len(),
+                        no_hit,
+                        many_hits,
+                    }));
+                }
+            }
         }
     }
 
@@ -206,15 +263,14 @@ impl Run<'_> {
         let reference = answered
             .iter()
             .find(|a| a.method == REFERENCE && a.precision == f64::NAME)
-            .and_then(Answered::plain_scalar);
+            .and_then(Answered::plain);
         let mut references = vec![("oracle", truth.as_slice())];
         references.extend(reference.map(|answers| ("f64-moller-trumbore", answers.pairs())));
         for method in answered {
             for (variant, answers) in &method.variants {
-                let named =
-                    record_variant(method.method, *variant, "one-ray", true, "barycentrics");
+                let named = method.record_variant(*variant);
                 for (name, pairs) in &references {
-                    for (quantity, of) in QUANTITIES {
+                    for (quantity, of) in method.quantities() {
                         let (count, relative, ulps) =
                             answers.errors(pairs, of, method.significant_bits);
                         self.lines.push(Record::Error(Error {
@@ -243,7 +299,7 @@ impl Run<'_> {
             let closest: Vec<_> = answered
                 .iter()
                 .filter(|a| a.precision == precision)
-                .filter_map(|a| Some((a.method, a.plain_scalar()?.closest(rays))))
+                .filter_map(|a| Some((a.method, a.plain()?.closest(rays))))
                 .collect();
             let Some((_, first)) = closest.first() else { continue };
             let unanimous =
@@ -285,21 +341,29 @@ impl Run<'_> {
             self.progress.step();
             return None;
         }
-        let mut samples_ns = Vec::new();
-        for _ in 0..self.settings.rounds {
-            let start = Instant::now();
-            let scene = (kernels.prepare)(triangles, &[]);
-            samples_ns.push(u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX));
-            drop(scene);
+        let Some(scene) = self.scene(&subject.workload.name, entry, kernels, rays, triangles)
+        else {
+            self.progress.step();
+            return None;
+        };
+        if matches!(subject.workload.family, Family::Random | Family::Mesh) {
+            let mut samples_ns = Vec::new();
+            for _ in 0..self.settings.rounds {
+                let start = Instant::now();
+                let prepared = (kernels.prepare)(triangles, &[]);
+                samples_ns.push(u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX));
+                drop(prepared);
+            }
+            self.lines.push(Record::Preparation(Preparation {
+                method: entry.info.name.to_owned(),
+                precision: E::NAME.to_owned(),
+                workload: subject.workload.name.clone(),
+                triangles: triangles.len(),
+                samples_ns,
+            }));
         }
-        self.lines.push(Record::Preparation(Preparation {
-            method: entry.info.name.to_owned(),
-            precision: E::NAME.to_owned(),
-            workload: subject.workload.name.clone(),
-            triangles: triangles.len(),
-            samples_ns,
-        }));
-        let scene = (kernels.prepare)(triangles, rays);
+        let timed: Vec<&Kernel> =
+            timed.into_iter().filter(|kernel| kernel.arrangement.serves(scene.common())).collect();
         let answers = kernels
             .finders
             .iter()
@@ -309,7 +373,7 @@ impl Run<'_> {
         self.progress.step();
         Some(Group {
             method: entry.info.name,
-            bytes_per_triangle: entry.stored_numbers * size_of::<E>(),
+            bytes_per_triangle: entry.cost.stored_numbers * size_of::<E>(),
             unit_roundoff: E::UNIT_ROUNDOFF,
             scene,
             timed,
@@ -330,7 +394,7 @@ impl Run<'_> {
                 contenders.push(Contender {
                     kernel,
                     scene: &group.scene,
-                    expected: group.expected(kernel),
+                    expected: group.expected(kernel, subject),
                     samples_ns: Vec::new(),
                     tally: None,
                 });
@@ -353,7 +417,7 @@ impl Run<'_> {
                     kernel.variant,
                     kernel.arrangement.name(),
                     kernel.early_out,
-                    kernel.needs,
+                    kernel.needs.name(),
                 ),
                 workload: subject.workload.name.clone(),
                 tests: (timed_rays * subject.triangles32.len()) as u64,
@@ -378,44 +442,80 @@ struct Group {
 }
 
 impl Group {
-    fn expected(&self, kernel: &Kernel) -> timing::Expected {
+    fn expected(&self, kernel: &Kernel, subject: &Subject) -> timing::Expected {
         let (_, answers) = self
             .answers
             .iter()
             .find(|(variant, _)| *variant == kernel.variant)
             .expect("every timed variant has a finder");
-        answers.expected(kernel.needs, self.unit_roundoff)
+        answers.expected(kernel.needs, self.unit_roundoff, &subject.rays64, &subject.triangles64)
     }
 }
 
 impl Answered {
     /// The answers that are the same on every machine.
-    fn plain_scalar(&self) -> Option<&Answers> {
+    fn plain(&self) -> Option<&Answers> {
+        // Deferred comes last, where there is one.
         self.variants
             .iter()
-            .find(|(variant, _)| variant.lane.width == 1 && variant.division == "deferred")
+            .rfind(|(variant, _)| {
+                variant.lane.arithmetic == "plain" && variant.reciprocal == "true"
+            })
             .map(|(_, answers)| answers)
+    }
+
+    /// What the method gives that has an error.
+    fn quantities(&self) -> impl Iterator<Item = (&'static str, Quantity)> {
+        QUANTITIES.into_iter().take(if self.weighs { 3 } else { 1 })
+    }
+
+    fn record_variant(&self, variant: Variant) -> crate::record::Variant {
+        let asked = if self.weighs { Output::Barycentrics } else { Output::T };
+        record_variant(self.method, variant, "one-ray", true, asked.name())
     }
 }
 
-/// Whether a kernel is timed on a family of workloads: everything where methods are compared; on
-/// the series the scalar and the widest f32 lanes with full hits, one ray at a time.
+fn claims(claims: Claims) -> Vec<String> {
+    let Claims { watertight, culls, unit_direction } = claims;
+    [("watertight", watertight), ("culls", culls), ("unit-direction", unit_direction)]
+        .into_iter()
+        .filter(|(_, holds)| *holds)
+        .map(|(name, _)| name.to_owned())
+        .collect()
+}
+
+fn part_cost((part, ops): (&str, Ops)) -> PartCost {
+    let Ops { multiplies, adds, divisions, comparisons, signs: _ } = ops;
+    PartCost { part: part.to_owned(), multiplies, adds, divisions, comparisons }
+}
+
+/// Whether a kernel is timed on a family of workloads: where methods are compared everything but
+/// what rays must share something for; on the series the widest f32 lanes with the fullest hit, one
+/// ray at a time; and on packets in every arrangement.
 fn is_shown(family: Family, kernel: &Kernel, all: &[Kernel]) -> bool {
+    let shares =
+        matches!(kernel.arrangement, Arrangement::CommonOrigin | Arrangement::CommonDirection);
     if matches!(family, Family::Random | Family::Mesh) {
-        return true;
+        return !shares;
     }
-    let lane = kernel.variant.lane;
-    let widest = all
-        .iter()
+    let here = || all.iter().filter(|other| other.variant.lane.instruction_set.is_available());
+    let widest = here()
         .map(|other| other.variant.lane)
-        .filter(|lane| lane.instruction_set.is_available())
         .max_by_key(|lane| (lane.width, lane.arithmetic == "fused"));
-    let shown_lane = Some(lane) == widest || (lane.width == 1 && family == Family::HitRate);
-    shown_lane
+    let asked = if here().any(|other| other.needs == Output::Barycentrics) {
+        Output::Barycentrics
+    } else {
+        Output::T
+    };
+    let lane = kernel.variant.lane;
+    Some(lane) == widest
         && lane.precision == f32::NAME
-        && kernel.needs == "barycentrics"
-        && kernel.arrangement.name() == "one-ray"
+        && kernel.needs == asked
         && kernel.variant.reciprocal == "true"
+        && match family {
+            Family::Packets => !kernel.early_out,
+            _ => kernel.arrangement == Arrangement::OneRay,
+        }
 }
 
 fn record_variant(

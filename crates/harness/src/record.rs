@@ -7,7 +7,10 @@ use std::io::{BufRead, Write};
 use serde::{Deserialize, Serialize};
 
 /// The version of the schema that this build writes and reads.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
+
+/// The oldest schema that this build reads: 2 added facts about methods, refusals and cracks.
+const OLDEST: u64 = 1;
 
 /// One line of a record file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +32,10 @@ pub enum Record {
     Preparation(Preparation),
     /// Whether all methods pick the same triangle for each ray of a workload.
     Agreement(Agreement),
+    /// A method that cannot take a workload's triangles.
+    Refusal(Refusal),
+    /// Rays that pass through a closed surface.
+    Cracks(Cracks),
 }
 
 /// Who measured, where and how.
@@ -83,6 +90,37 @@ pub struct MethodFacts {
     pub source: String,
     /// Numbers stored per triangle.
     pub stored_numbers: usize,
+    /// `points`, `points-and-normal` or `prepared`.
+    #[serde(default)]
+    pub input: String,
+    /// What a hit can be asked for: `occlusion`, `t`, `barycentrics`, `point`, `normal`. What is not
+    /// listed is not timed.
+    #[serde(default)]
+    pub outputs: Vec<String>,
+    /// The forms of the division that the method has.
+    #[serde(default)]
+    pub divisions: Vec<String>,
+    /// What the method promises: `watertight`, `culls`, `unit-direction` (which it needs).
+    #[serde(default)]
+    pub claims: Vec<String>,
+    /// What each part costs.
+    #[serde(default)]
+    pub cost: Vec<PartCost>,
+}
+
+/// Operations of one part of a method, counted by running its formula.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PartCost {
+    /// Which part.
+    pub part: String,
+    /// Products.
+    pub multiplies: u32,
+    /// Sums and differences.
+    pub adds: u32,
+    /// Quotients.
+    pub divisions: u32,
+    /// Comparisons.
+    pub comparisons: u32,
 }
 
 /// A set of rays and triangles.
@@ -118,6 +156,10 @@ pub enum Family {
     HitRate,
     /// One of a series in which the number of triangles grows from L1 to DRAM.
     WorkingSet,
+    /// Rays that share an origin or a direction.
+    Packets,
+    /// Rays aimed at the edges of a closed surface.
+    Edges,
 }
 
 /// Which compiled variant of a method.
@@ -133,7 +175,8 @@ pub struct Variant {
     pub instruction_set: String,
     /// `plain` or `fused`.
     pub arithmetic: String,
-    /// `one-ray` (one ray against N triangles) or `one-triangle` (N rays against one).
+    /// `one-ray` (one ray against N triangles), `one-triangle` (N rays against one), or that for rays
+    /// with a `common-origin` or a `common-direction`.
     pub arrangement: String,
     /// `early` or `deferred`.
     pub division: String,
@@ -141,7 +184,8 @@ pub struct Variant {
     pub reciprocal: String,
     /// Whether a test ends as soon as no lane can hit.
     pub early_out: bool,
-    /// What is asked: `occlusion`, `t` or `barycentrics` (t with barycentrics).
+    /// What is asked: `occlusion`, `t`, `barycentrics` (t with barycentrics), `point` or `normal` (t
+    /// with the normal).
     pub needs: String,
 }
 
@@ -262,6 +306,35 @@ pub struct MethodCount {
     pub count: usize,
 }
 
+/// A method that cannot take a workload's triangles.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Refusal {
+    /// Name of the method in the catalogue.
+    pub method: String,
+    /// `f32` or `f64`.
+    pub precision: String,
+    /// Name of the [`Workload`].
+    pub workload: String,
+    /// What the method said.
+    pub reason: String,
+}
+
+/// Rays from inside a closed surface that one variant lets out.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Cracks {
+    /// The variant.
+    #[serde(flatten)]
+    pub variant: Variant,
+    /// Name of the [`Workload`].
+    pub workload: String,
+    /// Rays.
+    pub rays: usize,
+    /// Rays that hit nothing.
+    pub no_hit: usize,
+    /// Rays that hit more than one triangle, as they may where triangles meet.
+    pub many_hits: usize,
+}
+
 /// Why a record file could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
@@ -315,7 +388,7 @@ impl Records {
             return Err(ReadError::NoHeader);
         }
         let found = head["schema"].as_u64().ok_or(ReadError::NoHeader)?;
-        if found != u64::from(SCHEMA) {
+        if !(OLDEST..=u64::from(SCHEMA)).contains(&found) {
             return Err(ReadError::OtherVersion { found });
         }
         let header =

@@ -428,6 +428,22 @@ fn early_out(view: &View) -> Figure {
 
 /// Lines of throughput over a series of workloads, one per method: its fastest f32 variant
 /// `among` those asked for, or f64 where there is no other. Also those variants, for the caption.
+/// As many lines as can be told apart: the fastest methods, and the one that all are compared with.
+const LINES: usize = 7;
+
+fn fastest_methods<'a>(view: &View<'a>) -> Vec<&'a str> {
+    let scores = view.comparable(|v| Some(v.needs.as_str()) == view.main_need()).scores();
+    let mut methods: Vec<&str> = Vec::new();
+    for (variant, _) in scores {
+        let method = variant.method.as_str();
+        if !methods.contains(&method) && methods.len() < LINES {
+            methods.push(method);
+        }
+    }
+    methods.push(BASELINE);
+    methods
+}
+
 fn series_lines(
     view: &View,
     family: Family,
@@ -436,7 +452,8 @@ fn series_lines(
 ) -> (Vec<Entry>, Vec<Series>, Vec<String>) {
     let names: Vec<&str> = view.family(family).iter().map(|w| w.name.as_str()).collect();
     let (mut legend, mut lines, mut said) = (Vec::new(), Vec::new(), Vec::new());
-    for &method in view.methods() {
+    let shown = fastest_methods(view);
+    for &method in view.methods().iter().filter(|method| shown.contains(*method)) {
         let fastest = view.precisions().into_iter().find_map(|precision| {
             let keep = |v: &Variant| {
                 Some(v.needs.as_str()) == view.main_need()
@@ -520,8 +537,8 @@ fn hit_rate(view: &View) -> Figure {
         name: "hit-rate",
         title: "Throughput against hit rate",
         caption: format!(
-            "How the share of tests that hit changes the speed of the fastest variant of each \
-             method over this series, when asked for {}. A branch that leaves early costs most \
+            "How the share of tests that hit changes the speed of the fastest variant of each of \
+             the fastest methods, and of Möller–Trumbore, over this series, when asked for {}. A branch that leaves early costs most \
              where it is hardest to foresee. {}.",
             need_in_prose(view.main_need().unwrap_or_default()),
             said.join("; ")
@@ -545,7 +562,8 @@ fn working_set(view: &View) -> Figure {
         name: "working-set",
         title: "Throughput against working set",
         caption: format!(
-            "The speed of the fastest variant of each method against the size of the prepared \
+            "The speed of the fastest variant of each of the fastest methods, and of \
+             Möller–Trumbore, against the size of the prepared \
              triangles: their number times the bytes that the method reads for each, so that a method that stores more moves to the \
              right. Asked for {}. {}.",
             need_in_prose(view.main_need().unwrap_or_default()),

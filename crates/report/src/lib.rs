@@ -5,6 +5,8 @@ mod chart;
 mod compare;
 mod figures;
 mod format;
+mod havel;
+mod markdown;
 mod page;
 mod rank;
 pub mod stats;
@@ -15,6 +17,7 @@ mod view;
 
 pub use chart::DrawError;
 pub use compare::{ComparedVariant, Comparison, ErrorDifference, compare};
+pub use markdown::{SpliceError, splice};
 pub use page::{Page, PageError, write_page};
 pub use rank::{Filter, Ranked, Ranking, rank};
 pub use summary::{FrontPoint, MethodRow, PrecisionRow, Summary, Winner, summary};

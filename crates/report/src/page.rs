@@ -16,7 +16,7 @@ use crate::format::{grouped, mtests, number, or_dash, ratio, scientific};
 use crate::stats::{median, quartiles};
 use crate::summary::{Summary, of_view};
 use crate::theme::{css, inline_svg};
-use crate::view::{View, finish_label, lanes_label, need_in_prose};
+use crate::view::{NEEDS, View, finish_label, lanes_label, need_in_prose};
 
 /// Why a page could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -152,6 +152,15 @@ struct MethodText {
     year: u16,
     source: String,
     numbers: usize,
+    /// What a triangle is given as.
+    input: String,
+    /// What a hit cannot be asked for.
+    lacks: String,
+    claims: String,
+    /// Rays per million that pass through a closed surface at its edges.
+    cracks: Option<String>,
+    /// Workloads that the method cannot take, with its reason.
+    refusals: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -388,6 +397,20 @@ fn methods(view: &View) -> Vec<MethodText> {
             year: m.year,
             source: m.source.clone(),
             numbers: m.stored_numbers,
+            input: m.input.replace('-', " "),
+            lacks: NEEDS
+                .into_iter()
+                .filter(|need| !m.outputs.is_empty() && m.outputs.iter().all(|o| o != need))
+                .collect::<Vec<_>>()
+                .join(", "),
+            claims: m.claims.join(", "),
+            cracks: view.cracks_per_million(&m.name).map(number),
+            refusals: view
+                .refusals
+                .iter()
+                .filter(|r| r.method == m.name && r.precision == "f32")
+                .map(|r| format!("{} ({})", r.workload, r.reason))
+                .collect(),
         })
         .collect()
 }

@@ -238,9 +238,8 @@ impl Summary {
     }
 
     fn method_table(&self) -> Table {
-        let mut table = Table::new(&[
-            "method", "year", "B", "f32", "f64", "err p50", "p99", "max", "wrong/M", "prep",
-        ]);
+        let mut table =
+            Table::new(&["method", "B", "f32", "f64", "err p50", "p99", "max", "wrong/M", "prep"]);
         for m in &self.methods {
             let single = m.precision("f32");
             let speed = |p: Option<&PrecisionRow>| {
@@ -251,7 +250,6 @@ impl Summary {
             };
             table.rows.push(vec![
                 m.method.clone(),
-                m.year.map_or_else(|| "–".into(), |y| y.to_string()),
                 single
                     .and_then(|p| p.bytes_per_triangle)
                     .map_or_else(|| "–".into(), |b| b.to_string()),

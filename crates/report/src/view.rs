@@ -3,14 +3,17 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use trisect_harness::record::{
-    Agreement, Decisions, Error, Family, Header, MethodFacts, Preparation, Quantiles, Record,
-    Records, Throughput, Variant, Workload,
+    Agreement, Cracks, Decisions, Error, Family, Header, MethodFacts, Preparation, Quantiles,
+    Record, Records, Refusal, Throughput, Variant, Workload,
 };
 
 use crate::stats::{geometric_mean, median, ns_per_test};
 
 /// What can be asked of a test, cheapest first.
-pub(crate) const NEEDS: [&str; 3] = ["occlusion", "t", "barycentrics"];
+pub(crate) const NEEDS: [&str; 5] = ["occlusion", "t", "barycentrics", "point", "normal"];
+
+/// The need that figures show, of those that were timed: the fullest that most methods give.
+const MAIN_NEEDS: [&str; 3] = ["barycentrics", "t", "occlusion"];
 /// The reference of errors that every figure uses.
 pub(crate) const ORACLE: &str = "oracle";
 /// The method that every other is compared with.
@@ -22,6 +25,8 @@ pub(crate) fn need_in_prose(need: &str) -> String {
         "occlusion" => "only whether the ray hits".into(),
         "t" => "the distance t".into(),
         "barycentrics" => "the distance with barycentrics".into(),
+        "point" => "the point".into(),
+        "normal" => "the distance with the normal".into(),
         other => other.into(),
     }
 }
@@ -83,6 +88,8 @@ pub(crate) struct View<'a> {
     needs: Vec<&'a str>,
     pub(crate) preparations: Vec<&'a Preparation>,
     pub(crate) agreements: Vec<&'a Agreement>,
+    pub(crate) refusals: Vec<&'a Refusal>,
+    pub(crate) cracks: Vec<&'a Cracks>,
 }
 
 impl<'a> View<'a> {
@@ -99,6 +106,8 @@ impl<'a> View<'a> {
             needs: Vec::new(),
             preparations: Vec::new(),
             agreements: Vec::new(),
+            refusals: Vec::new(),
+            cracks: Vec::new(),
         };
         for line in &records.lines {
             match line {
@@ -119,6 +128,8 @@ impl<'a> View<'a> {
                 }
                 Record::Preparation(p) => view.preparations.push(p),
                 Record::Agreement(a) => view.agreements.push(a),
+                Record::Refusal(r) => view.refusals.push(r),
+                Record::Cracks(c) => view.cracks.push(c),
             }
         }
         view.facts.sort_by(|a, b| a.year.cmp(&b.year).then(a.name.cmp(&b.name)));
@@ -190,7 +201,7 @@ impl<'a> View<'a> {
 
     /// The need that figures show: the fullest that was timed.
     pub(crate) fn main_need(&self) -> Option<&'a str> {
-        self.needs.iter().copied().rev().find(|n| NEEDS.contains(n))
+        MAIN_NEEDS.into_iter().find(|n| self.needs.contains(n))
     }
 
     /// Whether a workload stands for itself instead of being a step of a series.
@@ -312,6 +323,16 @@ impl<'a> View<'a> {
             pairs += class.called_hit + class.called_miss;
         }
         (pairs > 0).then(|| wrong as f64 * 1e6 / pairs as f64)
+    }
+
+    /// Rays per million that a method lets out of a closed surface, in plain arithmetic and the form
+    /// of the division that lets out fewest.
+    pub(crate) fn cracks_per_million(&self, method: &str) -> Option<f64> {
+        self.cracks
+            .iter()
+            .filter(|c| c.variant.method == method && c.variant.arithmetic == "plain")
+            .map(|c| c.no_hit as f64 * 1e6 / c.rays.max(1) as f64)
+            .min_by(f64::total_cmp)
     }
 
     /// Bytes that one triangle takes, as timed, or else as stored.

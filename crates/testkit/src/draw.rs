@@ -10,7 +10,13 @@ pub(crate) type Outcome = Result<(), TestCaseError>;
 
 /// Runs `test` on `cases` values of `strategy`; a failure is shrunk first.
 pub(crate) fn check<S: Strategy>(cases: u32, strategy: &S, test: impl Fn(S::Value) -> Outcome) {
-    let config = Config { cases, failure_persistence: None, ..Config::default() };
+    let config = Config {
+        cases,
+        failure_persistence: None,
+        // Structured pairs are parallel more often than not.
+        max_global_rejects: 20 * cases + 1024,
+        ..Config::default()
+    };
     let rng = TestRng::deterministic_rng(config.rng_algorithm);
     if let Err(error) = TestRunner::new_with_rng(config, rng).run(strategy, test) {
         panic!("{error}");
@@ -50,6 +56,25 @@ fn length(v: Vec3<f64>) -> f64 {
 pub(crate) fn any_pair() -> impl Strategy<Value = Pair> {
     (vector(-1.0..1.0), vector(-1.0..1.0), triangle())
         .prop_map(|(o, d, triangle)| Pair { ray: Ray::<f64>::new(o, d), triangle })
+}
+
+/// Pairs with structure: small whole coordinates, many of them zero or equal, and half of the rays
+/// aimed at a point with whole eighths for weights, often an edge or a corner.
+pub(crate) fn structured_pair() -> impl Strategy<Value = Pair> {
+    let whole = || {
+        let coordinate = || prop_oneof![2 => -2..=2_i8, 1 => Just(0_i8)].prop_map(f64::from);
+        [coordinate(), coordinate(), coordinate()].prop_map(Vec3::from)
+    };
+    let triangle = (whole(), whole(), whole()).prop_map(|(a, b, c)| Triangle::<f64>::new(a, b, c));
+    let eighths = || (0..=8_i8).prop_map(|k| f64::from(k) / 8.0);
+    (whole(), whole(), triangle, eighths(), eighths(), any::<bool>()).prop_map(
+        |(o, d, triangle, beta, gamma, aimed)| {
+            let Triangle { a, b, c } = triangle;
+            let point = (b - a).mul_add(beta, (c - a).mul_add(gamma, a));
+            let d = if aimed { point - o } else { d };
+            Pair { ray: Ray::<f64>::new(o, d), triangle }
+        },
+    )
 }
 
 /// Well-conditioned pairs, on which the claims about errors hold: corners within the unit cube,

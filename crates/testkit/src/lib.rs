@@ -2,55 +2,61 @@
 #![forbid(unsafe_code)]
 
 mod cost;
-mod counting;
 mod draw;
 mod golden;
 pub mod lanes;
 pub mod properties;
 mod truth;
 
-pub use cost::{Cost, cost, cost_table, readme_cost_table};
-pub use counting::{Counting, Ops, counted};
+pub use cost::{cost_table, readme_cost_tables};
 pub use golden::golden_cases;
+pub use trisect_core::{Cost, Counting, Ops, cost, counted};
 
 /// Stamps the tests that every method is held to, one `#[test]` per property: the properties of
-/// one ray and one triangle, the lanes, the golden cases, and the cost table in the README of the
-/// crate that calls.
+/// one ray and one triangle, the lanes, the golden cases, and the cost tables in the README of the
+/// crate that calls. Each method of the crate gets a module.
 ///
 /// `known_failures` lists the golden cases that the method fails, as `"S4/early"`; a listed case
 /// that holds fails the test as well.
 ///
 /// ```text
-/// trisect_testkit::conformance_tests!(trisect_wald::Wald, known_failures: ["S4/early"]);
+/// trisect_testkit::conformance_tests! {
+///     wald: trisect_wald::Wald, known_failures: ["S4/early"];
+/// }
 /// ```
 #[macro_export]
 macro_rules! conformance_tests {
-    ($method:ty $(, known_failures: [$($failure:literal),* $(,)?])? $(,)?) => {
-        $crate::conformance_tests!(@properties $method: properties
-            formula_is_exact
-            errors_are_within_the_claim
-            corners_may_be_renamed
-            translation_changes_no_more_than_claimed
-            powers_of_two_scale_exactly
-            culling_hides_one_side
-            nan_and_infinity_never_come_out
-            degenerate_input_never_hits
-            the_interval_is_closed
-            any_bits_are_survived
-        );
-        $crate::conformance_tests!(@properties $method: lanes
-            every_width_has_the_scalar_bits
-            every_division_has_the_scalar_bits
-            fused_and_newton_keep_the_claim
-        );
+    ($($name:ident: $method:ty $(, known_failures: [$($failure:literal),* $(,)?])?;)+) => {
+        $(mod $name {
+            #[allow(unused_imports, reason = "a method may be named by a path or not")]
+            use super::*;
+            $crate::conformance_tests!(@properties $method: properties
+                formula_is_exact
+                errors_are_within_the_claim
+                corners_may_be_renamed
+                translation_changes_no_more_than_claimed
+                powers_of_two_scale_exactly
+                culling_hides_one_side
+                normals_are_normal
+                nan_and_infinity_never_come_out
+                degenerate_input_never_hits
+                the_interval_is_closed
+                any_bits_are_survived
+            );
+            $crate::conformance_tests!(@properties $method: lanes
+                every_width_has_the_scalar_bits
+                every_division_has_the_scalar_bits
+                fused_and_newton_keep_the_claim
+            );
+            #[test]
+            fn golden_cases() {
+                $crate::golden_cases::<$method>(&[$($($failure),*)?]);
+            }
+        })+
         #[test]
-        fn golden_cases() {
-            $crate::golden_cases::<$method>(&[$($($failure),*)?]);
-        }
-        #[test]
-        fn readme_has_the_cost_table() {
+        fn readme_has_the_cost_tables() {
             let readme = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
-            $crate::readme_cost_table::<$method>(readme.as_ref());
+            $crate::readme_cost_tables(readme.as_ref(), &[$($crate::cost_table::<$method>()),+]);
         }
     };
     (@properties $method:ty: $module:ident $($property:ident)+) => {

@@ -4,12 +4,14 @@ use core::fmt::Debug;
 
 use proptest::prelude::*;
 use trisect_core::{
-    Culling, Deferred, Early, Float, Hit, Method, Precision, Ray, Scalar, Triangle, TrueDivision,
-    Vec3, intersect_with,
+    Alpha as _, Culling, Deferred, Division, Early, Float, Hit, Method, Output, Precision,
+    PreparedPair, Ray, Scalar, Triangle, TrueDivision, Vec3, intersect_with,
 };
 use trisect_oracle::Exact;
 
-use crate::draw::{Outcome, Pair, any_pair, check, clear_hits, vector, well_conditioned};
+use crate::draw::{
+    Outcome, Pair, any_pair, check, clear_hits, structured_pair, vector, well_conditioned,
+};
 use crate::truth::Truth;
 
 /// Terms of second order in the unit roundoff, which the bounds leave out: below this share for
@@ -19,12 +21,38 @@ const SECOND_ORDER: f64 = 1.0 + 1.0 / 256.0;
 /// A test of one ray against one triangle, prepared on the spot.
 pub(crate) type Test<E> = fn(&Ray<E>, &Triangle<E>, Culling) -> Option<Hit<E>>;
 
-/// The two forms of a method, both with the true division.
-pub(crate) fn forms<M: Method, E: Scalar>() -> [(&'static str, Test<E>); 2] {
-    [
-        ("early", intersect_with::<M, Early<TrueDivision, true>, E>),
-        ("deferred", intersect_with::<M, Deferred<TrueDivision, true>, E>),
-    ]
+/// The forms that a method has, with the true division.
+pub(crate) fn forms<M: Method, E: Scalar>() -> Vec<(&'static str, Test<E>)> {
+    let mut forms: Vec<(_, Test<E>)> = Vec::new();
+    if M::INFO.forms.early() {
+        forms.push(("early", answer::<M, Early<TrueDivision, true>, E>));
+    }
+    if M::INFO.forms.deferred() {
+        forms.push(("deferred", answer::<M, Deferred<TrueDivision, true>, E>));
+    }
+    forms
+}
+
+fn answer<M: Method, D: Division, E: Scalar>(
+    ray: &Ray<E>,
+    triangle: &Triangle<E>,
+    culling: Culling,
+) -> Option<Hit<E>> {
+    intersect_with::<M, D, E>(ray, triangle, culling).map(given::<M, E>)
+}
+
+/// Whether a method gives weights.
+pub(crate) fn weighs<M: Method>() -> bool {
+    M::INFO.gives(Output::Barycentrics)
+}
+
+/// What a method gives of a hit: zeros for weights that it does not.
+pub(crate) fn given<M: Method, E: Scalar>(hit: Hit<E>) -> Hit<E> {
+    if weighs::<M>() {
+        return hit;
+    }
+    let zero = E::from_f64(0.0);
+    Hit { t: hit.t, beta: zero, gamma: zero }
 }
 
 pub(crate) fn is_finite<E: Scalar>(hit: &Hit<E>) -> bool {
@@ -39,7 +67,8 @@ pub(crate) fn within_claim<M: Method, E: Float>(
     form: impl Debug,
 ) -> Outcome {
     let bound = (M::INFO.error_factor + more) * SECOND_ORDER;
-    for (name, error) in truth.errors(hit, E::UNIT_ROUNDOFF) {
+    let given = if weighs::<M>() { 3 } else { 1 };
+    for (name, error) in truth.errors(hit, E::UNIT_ROUNDOFF).into_iter().take(given) {
         prop_assert!(
             error <= bound,
             "{form:?}, {}: the error of {name} is {error:.1} condition numbers times the unit \
@@ -50,47 +79,87 @@ pub(crate) fn within_claim<M: Method, E: Float>(
     Ok(())
 }
 
-/// The formula over exact rationals gives the exact values, in both forms, and the right side.
+/// The formula over exact rationals, preparation included, gives the exact values in each form that
+/// the method has, decides as the oracle does, and has the right side in front: on random pairs, and
+/// on pairs with structure, where coordinates are equal, zero, or on an edge.
+///
+/// Methods that give no weights are compared by `t` and their decision; the sum of angles, which has
+/// a tolerance, only where the point is farther than that from the edges.
 pub fn formula_is_exact<M: Method>() {
-    check(300, &any_pair(), |pair| {
-        let (ray, triangle) = pair.round::<f32>();
-        let Some(truth) = Truth::of(&ray, &triangle) else {
-            return Err(TestCaseError::reject("parallel"));
-        };
-        Exact::scope(|| {
-            // The formula does not see the interval, and infinity is no rational.
-            let ray = Ray { tmin: 0.0, tmax: 1.0, ..ray }.map(|&x| number(x));
-            let triangle = Triangle::new(
-                triangle.a.map(number),
-                triangle.b.map(number),
-                triangle.c.map(number),
-            );
-            let group = M::group(&triangle);
-            let prepared = M::prepare(&triangle, group);
-            let prepared_ray = M::prepare_ray(&ray, group);
-            let h = M::intersect(&prepared_ray, &prepared);
-            let (det, early) =
-                M::intersect_early(&prepared_ray, &prepared, |x| Exact::from_f64(1.0) / x);
-            let late = Hit { t: h.t / h.det, beta: h.beta / h.det, gamma: h.gamma / h.det };
-            for (form, hit) in [("early", early), ("deferred", late)] {
-                prop_assert_eq!(hit.t.to_rational(), truth.t.exact.clone(), "{}", form);
+    check(1000, &any_pair(), |pair| exact_formula::<M>(&pair));
+    check(1000, &structured_pair(), |pair| exact_formula::<M>(&pair));
+}
+
+/// Weights nearer to 0 or 1 than this are left to the tolerance of a method that has one.
+const NEAR_AN_EDGE: f64 = 1e-9;
+
+fn exact_formula<M: Method>(pair: &Pair) -> Outcome {
+    let (ray, triangle) = pair.round::<f32>();
+    let Some(truth) = Truth::of(&ray, &triangle) else {
+        return Err(TestCaseError::reject("parallel"));
+    };
+    Exact::scope(|| {
+        let (zero, one) = (Exact::from_f64(0.0), Exact::from_f64(1.0));
+        // The formula does not see the interval, and infinity is no rational.
+        let ray = Ray { tmin: 0.0, tmax: 1.0, ..ray }.map(|&x| number(x));
+        let [a, b, c] = triangle.corners().map(|corner| corner.map(number));
+        let triangle = Triangle { a, b, c };
+        let prepared = PreparedPair::<M, Exact>::new(&ray, &triangle);
+        let front = ray.d.dot(triangle.normal()) < zero;
+        let check = |form: &str, det: Exact, hit: Hit<Exact>, inside: bool| {
+            prop_assert_eq!(hit.t.to_rational(), truth.t.exact.clone(), "{}", form);
+            if weighs::<M>() {
                 prop_assert_eq!(hit.beta.to_rational(), truth.beta.exact.clone(), "{}", form);
                 prop_assert_eq!(hit.gamma.to_rational(), truth.gamma.exact.clone(), "{}", form);
             }
-            prop_assert_eq!(det, h.det, "both forms have one denominator");
-            let (e1, e2) = (triangle.b - triangle.a, triangle.c - triangle.a);
-            let front = ray.d.dot(e1.cross(e2)) < Exact::from_f64(0.0);
-            let facing = M::facing(&prepared, det);
-            let zero = Exact::from_f64(0.0);
-            prop_assert_eq!(facing > zero, front, "facing");
-            prop_assert_eq!(facing < zero, !front, "facing");
+            if weighs::<M>() || truth.clearance() > NEAR_AN_EDGE {
+                prop_assert_eq!(inside, truth.is_inside(), "{}", form);
+            }
+            let facing = M::facing(&prepared.ray, &prepared.triangle, det);
+            prop_assert_eq!(facing > zero, front, "facing, {}", form);
+            prop_assert_eq!(facing < zero, !front, "facing, {}", form);
             Ok(())
-        })
-    });
+        };
+        if M::INFO.forms.early() {
+            let reciprocal = |x| one / x;
+            let q = M::intersect_early(&prepared.ray, &prepared.triangle, reciprocal);
+            check("early", q.det, q.hit(), q.alpha.inside(q.beta, q.gamma, one))?;
+        }
+        if M::INFO.forms.deferred() {
+            let h = M::intersect(&prepared.ray, &prepared.triangle);
+            let late = Hit { t: h.t / h.det, beta: h.beta / h.det, gamma: h.gamma / h.det };
+            let p = h.positive();
+            check("deferred", h.det, late, p.alpha.inside(p.beta, p.gamma, p.det))?;
+        }
+        Ok(())
+    })
 }
 
 fn number(x: f32) -> Exact {
     Exact::from_f64(f64::from(x))
+}
+
+/// The normal, where a method gives one, is `(B − A) × (C − A)`.
+pub fn normals_are_normal<M: Method>() {
+    if !M::INFO.gives(Output::Normal) {
+        return;
+    }
+    check(500, &any_pair(), |pair| {
+        let (ray, triangle) = pair.round::<f32>();
+        Exact::scope(|| {
+            let ray = Ray { tmin: 0.0, tmax: 1.0, ..ray }.map(|&x| number(x));
+            let [a, b, c] = triangle.corners().map(|corner| corner.map(number));
+            let axis = if M::TURNS { ray.d.largest_axis() } else { 2 };
+            let triangle = Triangle { a, b, c };
+            if triangle.is_degenerate() {
+                return Ok(());
+            }
+            let pair = PreparedPair::<M, Exact>::new(&ray, &triangle);
+            let normal = M::normal::<Exact>(&pair.triangle, pair.group).with_axis_restored(axis);
+            prop_assert_eq!(normal, triangle.normal());
+            Ok(())
+        })
+    });
 }
 
 /// On well-conditioned pairs `t`, `beta` and `gamma` are within the claim, and decisions are right
@@ -140,6 +209,9 @@ pub fn corners_may_be_renamed<M: Method>() {
                     let kappa = spread + other.beta.kappa + other.gamma.kappa;
                     let unit = (M::INFO.error_factor + 1.0) * E::UNIT_ROUNDOFF * SECOND_ORDER;
                     prop_assert!(truth.t.error(hit.t.to_f64()) <= unit * other.t.kappa);
+                    if !weighs::<M>() {
+                        return Ok(());
+                    }
                     for (value, found) in [(&truth.beta, beta), (&truth.gamma, gamma)] {
                         let error = value.error(found.to_f64());
                         prop_assert!(error <= unit * kappa, "{form}: {error:e}");
@@ -353,7 +425,8 @@ pub fn the_interval_is_closed<M: Method>() {
                 tmax: n(tmax),
             };
             for (form, test) in forms::<M, E>() {
-                let wanted = hits.then_some(Hit { t: n(4.0), beta: n(0.25), gamma: n(0.25) });
+                let hit = Hit { t: n(4.0), beta: n(0.25), gamma: n(0.25) };
+                let wanted = hits.then_some(given::<M, E>(hit));
                 let found = test(&ray, &triangle, Culling::None);
                 assert_eq!(found, wanted, "{form} {}, [{tmin}, {tmax}]", E::NAME);
             }

@@ -38,6 +38,22 @@ impl Truth {
         })
     }
 
+    /// Whether the point is in the closed triangle, whatever the interval.
+    pub(crate) fn is_inside(&self) -> bool {
+        let (zero, one) = (RBig::ZERO, RBig::ONE);
+        let (beta, gamma) = (&self.beta.exact, &self.gamma.exact);
+        *beta >= zero && *gamma >= zero && beta + gamma <= one
+    }
+
+    /// How far the weight that is nearest to zero is from it.
+    pub(crate) fn clearance(&self) -> f64 {
+        let alpha = RBig::ONE - &self.beta.exact - &self.gamma.exact;
+        [alpha.to_f64().value(), self.beta.error(0.0), self.gamma.error(0.0)]
+            .into_iter()
+            .map(f64::abs)
+            .fold(f64::INFINITY, f64::min)
+    }
+
     /// How far the decision is from another one: the smallest distance of a value from its bound,
     /// in units of `unit` times the condition number of the value.
     pub(crate) fn margin<E: Float>(&self, ray: &Ray<E>, unit: f64) -> f64 {

@@ -51,6 +51,115 @@ pub fn working_set(seed: u64, rays: usize, triangles: usize) -> Workload {
     }
 }
 
+/// Rays that [`random`]'s could be but for one thing that they share, against the same triangles.
+pub fn random_sharing(seed: u64, share: Share, rays: usize, triangles: usize) -> Workload {
+    let mut all = ball_rays("random/rays", seed, rays);
+    if let Some(&first) = all.first() {
+        for ray in &mut all {
+            match share {
+                Share::Origin => ray.o = first.o,
+                Share::Direction => ray.d = first.d,
+            }
+        }
+    }
+    let what = share.name();
+    Workload {
+        name: format!("packets/{what}"),
+        description: format!("random rays with one {what} for all, and random triangles"),
+        rays: all,
+        triangles: ball_triangles("random/triangles", seed, triangles),
+    }
+}
+
+/// What all rays of a workload have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Share {
+    /// The origin, as of a camera.
+    Origin,
+    /// The direction, as of the sun.
+    Direction,
+}
+
+impl Share {
+    /// `origin` or `direction`
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Origin => "origin",
+            Self::Direction => "direction",
+        }
+    }
+}
+
+/// A closed sphere of 20·4^`subdivisions` triangles and radius 2, and rays from within the cube
+/// [−1, 1]³ that are aimed at random points of random edges, the point and the difference rounded.
+///
+/// Whatever rounding does to its aim, a ray from inside hits a closed surface: each ray without a
+/// hit has passed through a crack between two triangles.
+pub fn edge_aimed(seed: u64, rays: usize, subdivisions: u32) -> Workload {
+    let triangles = sphere(2.0, subdivisions);
+    let mut stream = Stream::new("edges", seed);
+    let rays = (0..rays)
+        .map(|_| {
+            let Triangle { a, b, c } = triangles[stream.below(triangles.len())];
+            let (from, to) = [(a, b), (b, c), (c, a)][stream.below(3)];
+            let point = (to - from).mul_add(stream.unit(), from);
+            let mut side = || stream.range(-1.0, 1.0);
+            let o = Vec3::new(side(), side(), side());
+            Ray::<f32>::new(o, point - o)
+        })
+        .collect();
+    Workload {
+        name: "edges".to_owned(),
+        description: "rays from inside a closed sphere, aimed at its edges".to_owned(),
+        rays,
+        triangles: triangles.into(),
+    }
+}
+
+/// An icosahedron whose faces are divided into four again and again, its corners on the sphere.
+/// Neighbours have the same bits for the corners that they share.
+fn sphere(radius: f32, subdivisions: u32) -> Vec<Triangle<f32>> {
+    let onto = |v: Vec3<f32>| v.scale(radius / v.dot(v).sqrt());
+    let golden = 0.5 * (1.0 + 5.0_f32.sqrt());
+    let corner =
+        |x: f32, y: f32, axis: usize| onto(Vec3::new(x, y * golden, 0.0).with_axis_last(axis));
+    let corners: Vec<Vec3<f32>> = (0..3)
+        .flat_map(|axis| {
+            [(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| corner(x, y, axis))
+        })
+        .collect();
+    // The faces are the triples of corners that are neighbours of each other.
+    let side = radius * 4.0 / (10.0 + 2.0 * 5.0_f32.sqrt()).sqrt();
+    let near = |i: usize, j: usize| {
+        let d = corners[i] - corners[j];
+        d.dot(d) < 1.1 * side * side
+    };
+    let mut faces = Vec::new();
+    for i in 0..12 {
+        for j in i + 1..12 {
+            for k in j + 1..12 {
+                if near(i, j) && near(j, k) && near(k, i) {
+                    faces.push(Triangle { a: corners[i], b: corners[j], c: corners[k] });
+                }
+            }
+        }
+    }
+    for _ in 0..subdivisions {
+        // The sum of two corners does not depend on their order.
+        let middle = |p: Vec3<f32>, q: Vec3<f32>| onto(p + q);
+        faces =
+            faces
+                .into_iter()
+                .flat_map(|Triangle { a, b, c }| {
+                    let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+                    [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
+                        .map(|(a, b, c)| Triangle { a, b, c })
+                })
+                .collect();
+    }
+    faces
+}
+
 fn ball_rays(stream: &str, seed: u64, count: usize) -> Vec<Ray<f32>> {
     let mut stream = Stream::new(stream, seed);
     (0..count)

@@ -8,8 +8,8 @@ mod generate;
 mod stream;
 
 pub use generate::{
-    Closest, Light, OFFSET, Workload, diffuse_bounce, hit_rate, occlusion, primary, random,
-    random_through_box, working_set,
+    Closest, Light, OFFSET, Share, Workload, diffuse_bounce, edge_aimed, hit_rate, occlusion,
+    primary, random, random_sharing, random_through_box, working_set,
 };
 pub use mesh::{Bounds, Mesh, MeshError, MeshFormat, MeshProblem};
 pub use rays::{

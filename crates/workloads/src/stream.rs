@@ -91,7 +91,7 @@ impl Stream {
     }
 
     /// Uniform below `bound`, without bias: draws beyond the last whole multiple are rejected.
-    fn below(&mut self, bound: usize) -> usize {
+    pub(crate) fn below(&mut self, bound: usize) -> usize {
         let bound = bound as u64;
         let limit = u64::MAX - u64::MAX % bound;
         loop {

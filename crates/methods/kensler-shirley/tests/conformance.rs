@@ -1,3 +1,10 @@
 //! What the testkit holds every method to.
 
-trisect_testkit::conformance_tests!(trisect_kensler_shirley::KenslerShirley);
+use trisect_kensler_shirley::{Edges, Everything, KenslerShirley, Points, PointsAndNormal};
+
+trisect_testkit::conformance_tests! {
+    edges: KenslerShirley<Edges>;
+    points: KenslerShirley<Points>;
+    normal: KenslerShirley<PointsAndNormal>;
+    stored: KenslerShirley<Everything>;
+}

@@ -1,69 +1,38 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+use core::marker::PhantomData;
+
 use trisect_core::{
-    Hit, Homogeneous, Lanes, Method, MethodInfo, Of, PlaneFirst, Ray, Scalar, Triangle, Vec3,
-    record,
+    Forms, Frame, Implied, Lanes, Method, MethodInfo, Of, Output, PlaneFirst, Quotients, Ray,
+    Scalar, Slopes, ThreePlanes, Triangle, Vec3, Vertex, World,
 };
 
-record! {
-    /// The triangle's plane, and the two planes on which `beta` and `gamma` are linear.
-    pub struct PlaneTriangle {
-        /// `n · p = nd` on the triangle's plane, `n = e1 × e2`.
-        n: vec3,
-        /// See `n`.
-        nd: number,
-        /// `beta = b · p + bd` on the triangle's plane, `b = e2 × n / n²`.
-        b: vec3,
-        /// See `b`.
-        bd: number,
-        /// `gamma = c · p + cd` on the triangle's plane, `c = n × e1 / n²`.
-        c: vec3,
-        /// See `c`.
-        cd: number,
-    }
-}
+/// Perpendicular planes, Havel 2008, with constants in frame `F`.
+pub struct PerpendicularPlanes<F = World>(PhantomData<F>);
 
-/// Perpendicular planes, Havel 2008.
-pub struct PerpendicularPlanes;
-
-impl PlaneFirst for PerpendicularPlanes {
-    #[inline(always)]
-    fn plane<L: Lanes>(ray: &Ray<L>, tri: &PlaneTriangle<L>) -> (L, L) {
-        (tri.n.dot(ray.d), tri.nd - tri.n.dot(ray.o))
-    }
-
-    #[inline(always)]
-    fn barycentrics<L: Lanes>(ray: &Ray<L>, tri: &PlaneTriangle<L>, weight: L, t: L) -> (L, L) {
-        let p = ray.d.mul_add(t, ray.o.scale(weight));
-        let along =
-            |v: Vec3<L>, d: L| v.x.mul_add(p.x, v.y.mul_add(p.y, v.z.mul_add(p.z, weight * d)));
-        (along(tri.b, tri.bd), along(tri.c, tri.cd))
-    }
-}
-
-impl Method for PerpendicularPlanes {
+impl<F: Frame> Method for PerpendicularPlanes<F> {
     const INFO: MethodInfo = MethodInfo {
-        name: "perpendicular-planes",
-        title: "Perpendicular planes",
+        name: if F::RELATIVE { "perpendicular-planes-relative" } else { "perpendicular-planes" },
+        title: if F::RELATIVE {
+            "Perpendicular planes from a corner"
+        } else {
+            "Perpendicular planes"
+        },
         year: 2008,
         source: "J. Havel: Ray Tracing on Modern Processors. Master's thesis, Brno University of \
                  Technology, 2008, section 3.5",
-        outputs: &["hit", "t", "beta", "gamma"],
-        error_factor: 64.0,
+        outputs: Output::ALL,
+        forms: Forms::Early,
+        ..MethodInfo::USUAL
     };
-    type Prepared = PlaneTriangle<()>;
+    type Prepared = (Slopes<()>, F::Stored);
     type PreparedRay<L: Lanes> = Ray<L>;
+    type Alpha<L: Lanes> = Implied;
 
     #[inline(always)]
     fn prepare<X: Scalar>(triangle: &Triangle<X>, _group: usize) -> Of<Self::Prepared, X> {
-        let a = triangle.a;
-        let (e1, e2) = (triangle.b - a, triangle.c - a);
-        let n = e1.cross(e2);
-        let squared = n.dot(n);
-        let b = e2.cross(n).map(|x| x / squared);
-        let c = n.cross(e1).map(|x| x / squared);
-        PlaneTriangle { n, nd: n.dot(a), b, bd: -b.dot(a), c, cd: -c.dot(a) }
+        ThreePlanes::<F>::prepare(triangle)
     }
 
     #[inline(always)]
@@ -72,25 +41,24 @@ impl Method for PerpendicularPlanes {
     }
 
     #[inline(always)]
-    fn intersect<L: Lanes>(ray: &Ray<L>, triangle: &PlaneTriangle<L>) -> Homogeneous<L> {
-        Self::deferred(ray, triangle)
-    }
-
-    /// As published: `t` first, then the point, then `beta` and `gamma`.
-    #[inline(always)]
     fn intersect_early<L: Lanes>(
         ray: &Ray<L>,
-        triangle: &PlaneTriangle<L>,
+        triangle: &Of<Self::Prepared, L>,
         reciprocal: impl Fn(L) -> L,
-    ) -> (L, Hit<L>) {
-        Self::early(ray, triangle, reciprocal)
+    ) -> Quotients<L> {
+        ThreePlanes::<F>::early(ray, triangle, reciprocal)
     }
 
-    /// Here `det = D·n`, which is negative at the front.
+    /// Here `det = D·N`, which is negative at the front.
     #[inline(always)]
-    fn facing<L: Lanes>(_triangle: &PlaneTriangle<L>, det: L) -> L {
+    fn facing<L: Lanes>(_ray: &Ray<L>, _triangle: &Of<Self::Prepared, L>, det: L) -> L {
         -det
+    }
+
+    #[inline(always)]
+    fn normal<L: Lanes>((slopes, _): &Of<Self::Prepared, L>, _group: usize) -> Vec3<L> {
+        slopes.plane
     }
 }
 
-trisect_core::methods!(PerpendicularPlanes);
+trisect_core::methods!(PerpendicularPlanes, PerpendicularPlanes<Vertex>);

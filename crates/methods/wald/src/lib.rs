@@ -1,143 +1,138 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+use core::marker::PhantomData;
+
 use trisect_core::{
-    Hit, Homogeneous, Lanes, Method, MethodInfo, Of, PlaneFirst, Ray, Scalar, Triangle, Vec3,
-    record,
+    Frame, Function, Homogeneous, Implied, Lanes, Method, MethodInfo, Of, PlaneFirst, Quotients,
+    Ray, Scalar, Triangle, UnsuitableMesh, Vec3, Vertex, World, record,
 };
 
+mod axis;
+
+pub use axis::{AxisChoice, ByIndices, ByTable, Fixed, Grouped};
+
 record! {
-    /// The plane scaled to `n|w = 1`, and `beta` and `gamma` as functions of the projected point.
+    /// Slopes over the projected plane: the triangle's plane scaled to `n|w = 1`, `beta`, `gamma`.
     pub struct ProjectedTriangle {
         /// `n|u / n|w`
         nu: number,
         /// `n|v / n|w`
         nv: number,
-        /// `nu·A|u + nv·A|v + A|w`
-        nd: number,
         /// `beta = bu·P|u + bv·P|v + bd`
         bu: number,
         /// See `bu`.
         bv: number,
-        /// See `bu`.
-        bd: number,
         /// `gamma = cu·P|u + cv·P|v + cd`
         cu: number,
         /// See `cu`.
         cv: number,
-        /// See `cu`.
-        cd: number,
     }
 }
 
-/// A ray with its coordinates in the order `u, v, w`.
-#[derive(Clone, Copy)]
-pub struct ProjectedRay<L> {
-    o: Vec3<L>,
-    d: Vec3<L>,
-}
+/// Wald 2004: the axis as `A` keeps it, constants in frame `F`.
+pub struct Wald<A = Grouped, F = World>(PhantomData<(A, F)>);
 
-/// Wald 2004.
-pub struct Wald;
+/// The test of a ray whose axes are in the order `u, v, w`.
+struct Projected<F>(PhantomData<F>);
 
-impl PlaneFirst for Wald {
-    #[inline(always)]
-    fn plane<L: Lanes>(ray: &ProjectedRay<L>, tri: &ProjectedTriangle<L>) -> (L, L) {
-        let along = |p: Vec3<L>| tri.nu.mul_add(p.x, tri.nv.mul_add(p.y, p.z));
-        (along(ray.d), tri.nd - along(ray.o))
-    }
+impl<F: Frame, L: Lanes> PlaneFirst<L> for Projected<F> {
+    type Triangle = (ProjectedTriangle<L>, Of<F::Stored, L>);
 
     #[inline(always)]
-    fn barycentrics<L: Lanes>(
-        ray: &ProjectedRay<L>,
-        tri: &ProjectedTriangle<L>,
-        weight: L,
-        t: L,
-    ) -> (L, L) {
-        let pu = t.mul_add(ray.d.x, weight * ray.o.x);
-        let pv = t.mul_add(ray.d.y, weight * ray.o.y);
+    fn plane(ray: &Ray<L>, (tri, stored): &Self::Triangle) -> (L, L) {
+        let o = F::relative(stored, ray.o);
+        let height = F::plus(stored, Function::Plane, o.z);
         (
-            pu.mul_add(tri.bu, pv.mul_add(tri.bv, weight * tri.bd)),
-            pu.mul_add(tri.cu, pv.mul_add(tri.cv, weight * tri.cd)),
+            tri.nu.mul_add(ray.d.x, tri.nv.mul_add(ray.d.y, ray.d.z)),
+            -tri.nu.mul_add(o.x, tri.nv.mul_add(o.y, height)),
+        )
+    }
+
+    #[inline(always)]
+    fn barycentrics(ray: &Ray<L>, (tri, stored): &Self::Triangle, weight: L, t: L) -> (L, L) {
+        let o = F::relative(stored, ray.o);
+        let pu = t.mul_add(ray.d.x, weight * o.x);
+        let pv = t.mul_add(ray.d.y, weight * o.y);
+        (
+            pu.mul_add(tri.bu, F::last(stored, Function::Beta, tri.bv, pv, weight)),
+            pu.mul_add(tri.cu, F::last(stored, Function::Gamma, tri.cv, pv, weight)),
         )
     }
 }
 
-impl Method for Wald {
+impl<A: AxisChoice, F: Frame> Method for Wald<A, F> {
     const INFO: MethodInfo = MethodInfo {
-        name: "wald",
-        title: "Wald",
+        name: if F::RELATIVE { "wald-relative" } else { A::NAME },
+        title: if F::RELATIVE { "Wald from a corner" } else { A::TITLE },
         year: 2004,
         source: "I. Wald: Realtime Ray Tracing and Interactive Global Illumination. \
                  PhD thesis, Saarland University, 2004, section 7.1",
-        outputs: &["hit", "t", "beta", "gamma"],
-        error_factor: 64.0,
+        ..MethodInfo::USUAL
     };
-    const GROUPS: usize = 3;
-    type Prepared = ProjectedTriangle<()>;
-    type PreparedRay<L: Lanes> = ProjectedRay<L>;
+    const GROUPS: usize = A::GROUPS;
+    type Prepared = ((ProjectedTriangle<()>, F::Stored), A::Stored);
+    type PreparedRay<L: Lanes> = Ray<L>;
+    type Alpha<L: Lanes> = Implied;
 
-    /// The axis `w` along which the normal is largest.
     #[inline(always)]
     fn group<X: Scalar>(triangle: &Triangle<X>) -> usize {
-        let n = (triangle.b - triangle.a).cross(triangle.c - triangle.a).map(X::abs);
-        if n.x >= n.y && n.x >= n.z {
-            0
-        } else if n.y >= n.z {
-            1
-        } else {
-            2
-        }
+        if A::GROUPS == 1 { 0 } else { triangle.projection_axis() }
+    }
+
+    fn mesh_group<X: Scalar>(triangles: &[Triangle<X>]) -> Result<Option<usize>, UnsuitableMesh> {
+        A::mesh_axis(triangles)
     }
 
     #[inline(always)]
-    fn prepare<X: Scalar>(triangle: &Triangle<X>, w: usize) -> Of<Self::Prepared, X> {
-        let a = triangle.a.with_axis_last(w);
-        let e1 = triangle.b.with_axis_last(w) - a;
-        let e2 = triangle.c.with_axis_last(w) - a;
-        let n = e1.cross(e2);
-        let (nu, nv) = (n.x / n.z, n.y / n.z);
-        ProjectedTriangle {
-            nu,
-            nv,
-            nd: nu.mul_add(a.x, nv.mul_add(a.y, a.z)),
-            bu: e2.y / n.z,
-            bv: -e2.x / n.z,
-            bd: a.y.mul_sub(e2.x, a.x * e2.y) / n.z,
-            cu: -e1.y / n.z,
-            cv: e1.x / n.z,
-            cd: a.x.mul_sub(e1.y, a.y * e1.x) / n.z,
-        }
+    fn prepare<X: Scalar>(triangle: &Triangle<X>, group: usize) -> Of<Self::Prepared, X> {
+        let w = if A::GROUPS == 1 { triangle.projection_axis() } else { group };
+        let Triangle { a, b, c } = triangle.with_axis_last(w);
+        let (e1, e2) = (b - a, c - a);
+        let n = e1.cross(e2).map(X::or_nan);
+        let [zero, one] = [0.0, 1.0].map(X::from_f64);
+        let plane = Vec3::new(n.x / n.z, n.y / n.z, one);
+        let beta = Vec3::new(e2.y / n.z, -e2.x / n.z, zero);
+        let gamma = Vec3::new(-e1.y / n.z, e1.x / n.z, zero);
+        let projected = ProjectedTriangle {
+            nu: plane.x,
+            nv: plane.y,
+            bu: beta.x,
+            bv: beta.y,
+            cu: gamma.x,
+            cv: gamma.y,
+        };
+        ((projected, F::store(a, [plane, beta, gamma])), A::store(w))
     }
 
     #[inline(always)]
-    fn prepare_ray<L: Lanes>(ray: &Ray<L>, w: usize) -> ProjectedRay<L> {
-        ProjectedRay { o: ray.o.with_axis_last(w), d: ray.d.with_axis_last(w) }
+    fn prepare_ray<L: Lanes>(ray: &Ray<L>, group: usize) -> Ray<L> {
+        if A::GROUPS == 1 { *ray } else { ray.with_axis_last(group) }
     }
 
     #[inline(always)]
     fn intersect<L: Lanes>(
-        ray: &ProjectedRay<L>,
-        triangle: &ProjectedTriangle<L>,
+        ray: &Ray<L>,
+        (triangle, axis): &Of<Self::Prepared, L>,
     ) -> Homogeneous<L> {
-        Self::deferred(ray, triangle)
+        Projected::<F>::deferred(&A::in_order(axis, ray), triangle)
     }
 
     /// As published: `t` first, then the point, then `beta` and `gamma`.
     #[inline(always)]
     fn intersect_early<L: Lanes>(
-        ray: &ProjectedRay<L>,
-        triangle: &ProjectedTriangle<L>,
+        ray: &Ray<L>,
+        (triangle, axis): &Of<Self::Prepared, L>,
         reciprocal: impl Fn(L) -> L,
-    ) -> (L, Hit<L>) {
-        Self::early(ray, triangle, reciprocal)
+    ) -> Quotients<L> {
+        Projected::<F>::early(&A::in_order(axis, ray), triangle, reciprocal)
     }
 
     /// `det` lost the sign of `n|w` with the scale; `bu·cv − bv·cu = 1 / n|w` brings it back.
     #[inline(always)]
-    fn facing<L: Lanes>(tri: &ProjectedTriangle<L>, det: L) -> L {
+    fn facing<L: Lanes>(_ray: &Ray<L>, ((tri, _), _): &Of<Self::Prepared, L>, det: L) -> L {
         det * tri.bv.mul_sub(tri.cu, tri.bu * tri.cv)
     }
 }
 
-trisect_core::methods!(Wald);
+trisect_core::methods!(Wald, Wald<ByTable>, Wald<ByIndices>, Wald<Fixed>, Wald<Grouped, Vertex>);

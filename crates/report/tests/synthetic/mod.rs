@@ -2,7 +2,7 @@
 
 use trisect_harness::record::{
     Agreement, ClassCount, Decisions, Error, Family, Header, Machine, MethodCount, MethodFacts,
-    Preparation, Quantiles, Record, Records, SCHEMA, Throughput, Variant, Workload,
+    PartCost, Preparation, Quantiles, Record, Records, SCHEMA, Throughput, Variant, Workload,
 };
 
 /// Name, title, year, citation, stored numbers, base ns, factor of error, gain of deferring.
@@ -146,6 +146,17 @@ pub(crate) fn records(count: usize) -> Records {
             year,
             source: source.into(),
             stored_numbers,
+            input: "prepared".into(),
+            outputs: ["occlusion", "t", "barycentrics"].map(Into::into).to_vec(),
+            divisions: ["deferred", "early"].map(Into::into).to_vec(),
+            claims: vec!["culls".into()],
+            cost: vec![PartCost {
+                part: "test, deferred division".into(),
+                multiplies: 27,
+                adds: 20,
+                divisions: 0,
+                comparisons: 7,
+            }],
         }));
     }
     lines.extend(workloads.iter().cloned().map(Record::Workload));

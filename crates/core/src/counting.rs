@@ -4,7 +4,7 @@ use core::cell::Cell;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use trisect_core::Scalar;
+use crate::lanes::Scalar;
 
 /// How often each operation was done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,8 +76,22 @@ pub fn counted<R>(f: impl FnOnce() -> R) -> (Ops, R) {
 }
 
 /// An f64 that counts its own operations; see [`counted`].
+///
+/// A product with the constant 1, which a formula gets from
+/// [`Scalar::from_f64`], is none: the compiler leaves it out.
+/// Numbers that are data come from [`Counting::data`].
 #[derive(Clone, Copy, Debug)]
-pub struct Counting(f64);
+pub struct Counting {
+    value: f64,
+    is_constant_one: bool,
+}
+
+impl Counting {
+    /// A number that is not known before the formula runs.
+    pub const fn data(value: f64) -> Self {
+        Self { value, is_constant_one: false }
+    }
+}
 
 macro_rules! operator {
     ($trait:ident, $method:ident, $ops:expr) => {
@@ -85,79 +99,100 @@ macro_rules! operator {
             type Output = Self;
             fn $method(self, other: Self) -> Self {
                 count($ops);
-                Self($trait::$method(self.0, other.0))
+                Self::data($trait::$method(self.value, other.value))
             }
         }
     };
 }
 operator!(Add, add, Ops::ADD);
 operator!(Sub, sub, Ops::ADD);
-operator!(Mul, mul, Ops::MULTIPLY);
 operator!(Div, div, Ops::DIVIDE);
+
+impl Mul for Counting {
+    type Output = Self;
+    fn mul(self, other: Self) -> Self {
+        if self.is_constant_one {
+            return other;
+        }
+        if other.is_constant_one {
+            return self;
+        }
+        count(Ops::MULTIPLY);
+        Self::data(self.value * other.value)
+    }
+}
 
 impl Neg for Counting {
     type Output = Self;
     fn neg(self) -> Self {
         count(Ops::SIGN);
-        Self(-self.0)
+        Self::data(-self.value)
     }
 }
 
 impl PartialEq for Counting {
     fn eq(&self, other: &Self) -> bool {
         count(Ops::COMPARE);
-        self.0 == other.0
+        self.value == other.value
     }
 }
 
 impl PartialOrd for Counting {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         count(Ops::COMPARE);
-        self.0.partial_cmp(&other.0)
+        self.value.partial_cmp(&other.value)
     }
 }
 
-trisect_core::single_lane!(Counting {
+crate::single_lane!(Counting {
     fn reciprocal_estimate(self) -> Self {
-        Self(1.0) / self
+        Self::data(1.0) / self
     }
     fn xor_sign(self, s: Self) -> Self {
         count(Ops::SIGN);
-        Self(self.0.xor_sign(s.0))
+        Self::data(self.value.xor_sign(s.value))
     }
 });
 
 impl Scalar for Counting {
-    fn from_f64(x: f64) -> Self {
-        Self(x)
+    fn from_f64(value: f64) -> Self {
+        Self { value, is_constant_one: value == 1.0 }
     }
     fn to_f64(self) -> f64 {
-        self.0
+        self.value
     }
     fn abs(self) -> Self {
         count(Ops::SIGN);
-        Self(self.0.abs())
+        Self::data(self.value.abs())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use trisect_core::{Lanes, Number as _};
+    use crate::{Lanes, Number as _};
 
     use super::*;
 
     #[test]
     fn a_multiply_add_is_a_product_and_a_sum() {
-        let x = Counting(2.0);
+        let x = Counting::data(2.0);
         let (ops, y) = counted(|| x.mul_add(x, -x));
-        assert_eq!(y.0, 2.0);
+        assert_eq!(y.value, 2.0);
         assert_eq!(ops, Ops { multiplies: 1, adds: 1, signs: 1, ..Ops::default() });
     }
 
     #[test]
     fn comparisons_and_quotients_are_counted_once() {
-        let x = Counting(2.0);
+        let x = Counting::data(2.0);
         let (ops, _) = counted(|| Lanes::ge(x / x, x));
         assert_eq!(ops, Ops { divisions: 1, comparisons: 1, ..Ops::default() });
+    }
+
+    #[test]
+    fn a_product_with_the_constant_one_is_free() {
+        let x = Counting::data(2.0);
+        let (ops, y) = counted(|| x * Counting::from_f64(1.0) + Counting::data(1.0) * x);
+        assert_eq!(y.value, 4.0);
+        assert_eq!(ops, Ops { multiplies: 1, adds: 1, ..Ops::default() });
     }
 }

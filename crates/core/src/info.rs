@@ -1,0 +1,151 @@
+//! Facts about a method, for lists, pages and records.
+
+/// Facts about a method, for lists, pages and records.
+///
+/// A method writes what differs from [`MethodInfo::USUAL`].
+#[derive(Clone, Copy, Debug)]
+pub struct MethodInfo {
+    /// Name as typed on the command line: lower case, digits, hyphens.
+    pub name: &'static str,
+    /// Name in prose.
+    pub title: &'static str,
+    /// Year of publication.
+    pub year: u16,
+    /// Authors, title, place, section.
+    pub source: &'static str,
+    /// What a triangle is given as.
+    pub input: Input,
+    /// What a hit can be asked for.
+    pub outputs: &'static [Output],
+    /// Which of the two forms of the division the method has.
+    pub forms: Forms,
+    /// What it promises.
+    pub claims: Claims,
+    /// The claim behind its error bound in well-conditioned cases, as a multiple of
+    /// `κ · unit roundoff`: the conformance tests hold the method to it.
+    pub error_factor: f64,
+}
+
+impl MethodInfo {
+    /// Prepared data, both forms, everything but a normal, no promise, and the error factor that
+    /// the tests hold methods to for which nobody derived one.
+    pub const USUAL: Self = Self {
+        name: "",
+        title: "",
+        year: 0,
+        source: "",
+        input: Input::Prepared,
+        outputs: Output::ALL_BUT_NORMAL,
+        forms: Forms::Both,
+        claims: Claims { watertight: false, culls: true, unit_direction: false },
+        error_factor: 64.0,
+    };
+
+    /// Whether a hit can be asked for `output`.
+    pub const fn gives(&self, output: Output) -> bool {
+        let mut i = 0;
+        while i < self.outputs.len() {
+            if self.outputs[i] as u8 == output as u8 {
+                return true;
+            }
+            i += 1;
+        }
+        false
+    }
+}
+
+/// What a triangle is given as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Input {
+    /// Its three points; nothing is prepared.
+    Points,
+    /// Its three points and their normal.
+    PointsAndNormal,
+    /// Data prepared for the method.
+    Prepared,
+}
+
+impl Input {
+    /// The name used in lists and records.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Points => "points",
+            Self::PointsAndNormal => "points-and-normal",
+            Self::Prepared => "prepared",
+        }
+    }
+}
+
+/// What a hit can be asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Output {
+    /// Whether there is one.
+    Occlusion,
+    /// `t`
+    T,
+    /// `t`, `beta` and `gamma`.
+    Barycentrics,
+    /// The point, in the coordinates of ray and triangle.
+    Point,
+    /// The triangle's normal `(B − A) × (C − A)`, with its length.
+    Normal,
+}
+
+impl Output {
+    /// All of them.
+    pub const ALL: &'static [Self] =
+        &[Self::Occlusion, Self::T, Self::Barycentrics, Self::Point, Self::Normal];
+    /// Of a method that does not keep the normal.
+    pub const ALL_BUT_NORMAL: &'static [Self] =
+        &[Self::Occlusion, Self::T, Self::Barycentrics, Self::Point];
+    /// Of a method that decides without weights.
+    pub const FLAG_AND_T: &'static [Self] = &[Self::Occlusion, Self::T, Self::Point];
+    /// Of a method that decides without weights and keeps the normal.
+    pub const FLAG_T_AND_NORMAL: &'static [Self] =
+        &[Self::Occlusion, Self::T, Self::Point, Self::Normal];
+
+    /// The name used in lists and records.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Occlusion => "occlusion",
+            Self::T => "t",
+            Self::Barycentrics => "barycentrics",
+            Self::Point => "point",
+            Self::Normal => "normal",
+        }
+    }
+}
+
+/// Which forms of the division a method has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Forms {
+    /// Early and deferred.
+    Both,
+    /// Early alone.
+    Early,
+    /// Deferred alone.
+    Deferred,
+}
+
+impl Forms {
+    /// Whether the early form is there.
+    pub const fn early(self) -> bool {
+        !matches!(self, Self::Deferred)
+    }
+    /// Whether the deferred form is there.
+    pub const fn deferred(self) -> bool {
+        !matches!(self, Self::Early)
+    }
+}
+
+/// What a method promises.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Claims {
+    /// No ray passes between triangles that share an edge or a corner, in plain arithmetic and the
+    /// deferred form, while nothing under- or overflows.
+    pub watertight: bool,
+    /// Either face can be left out.
+    pub culls: bool,
+    /// The direction must have unit length.
+    pub unit_direction: bool,
+}

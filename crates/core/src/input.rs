@@ -1,0 +1,41 @@
+//! Triangles as they are given: what methods store that prepare nothing, or little.
+
+use crate::geometry::{Triangle, Vec3};
+use crate::lanes::Scalar;
+use crate::record;
+
+record! {
+    /// The three points of a triangle.
+    pub struct Corners {
+        /// Corner `A`.
+        a: vec3,
+        /// Corner `B`.
+        b: vec3,
+        /// Corner `C`.
+        c: vec3,
+    }
+}
+
+impl<X: Scalar> Corners<X> {
+    /// The points as they are; of a degenerate triangle NaN, so that it never hits.
+    #[inline(always)]
+    pub fn new(triangle: &Triangle<X>) -> Self {
+        let Triangle { a, b, c } = *triangle;
+        if triangle.is_degenerate() {
+            let nan = a.map(|_| X::from_f64(f64::NAN));
+            return Self { a: nan, b: nan, c: nan };
+        }
+        Self { a, b, c }
+    }
+}
+
+impl<X: Copy> Corners<X> {
+    /// The edges `e1 = B − A` and `e2 = C − A`.
+    #[inline(always)]
+    pub fn edges(&self) -> (Vec3<X>, Vec3<X>)
+    where
+        X: crate::Number,
+    {
+        (self.b - self.a, self.c - self.a)
+    }
+}

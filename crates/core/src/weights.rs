@@ -1,0 +1,56 @@
+//! The weight of corner `A`: computed, or implied by the two others.
+
+use crate::lanes::{Lanes, Scalar};
+
+/// How a method knows the weight of corner `A`, and so whether a point is inside.
+pub trait Alpha<L: Lanes>: Copy {
+    /// `alpha · factor`
+    #[must_use]
+    fn scale(self, factor: L) -> Self;
+    /// `alpha` with its sign flipped where `s` is negative.
+    #[must_use]
+    fn xor_sign(self, s: L) -> Self;
+    /// Where all weights are at least zero, `whole` being their sum.
+    fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask;
+}
+
+/// `alpha` is what `beta` and `gamma` leave of the whole: `beta + gamma ≤ whole` is the test.
+#[derive(Clone, Copy, Debug)]
+pub struct Implied;
+
+impl<L: Lanes> Alpha<L> for Implied {
+    #[inline(always)]
+    fn scale(self, _factor: L) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn xor_sign(self, _s: L) -> Self {
+        self
+    }
+    #[inline(always)]
+    fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask {
+        let zero = whole.constant(L::Elem::from_f64(0.0));
+        beta.ge(zero) & gamma.ge(zero) & (beta + gamma).le(whole)
+    }
+}
+
+/// `alpha` is computed as the others are, from its own edge: three signs decide, and neighbours
+/// that compute the same number for a shared edge decide alike.
+#[derive(Clone, Copy, Debug)]
+pub struct Given<L>(pub L);
+
+impl<L: Lanes> Alpha<L> for Given<L> {
+    #[inline(always)]
+    fn scale(self, factor: L) -> Self {
+        Self(self.0 * factor)
+    }
+    #[inline(always)]
+    fn xor_sign(self, s: L) -> Self {
+        Self(self.0.xor_sign(s))
+    }
+    #[inline(always)]
+    fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask {
+        let zero = whole.constant(L::Elem::from_f64(0.0));
+        self.0.ge(zero) & beta.ge(zero) & gamma.ge(zero)
+    }
+}
