@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use trisect_harness::record::Records;
+
 /// Runs the `console` blocks of the documents from the root of the workspace, where a reader
 /// types them. Blocks marked `console,ignore` and commands of cargo are not run: they take
 /// minutes.
@@ -15,4 +17,21 @@ fn documents_show_what_trisect_prints() {
         .env("COLUMNS", "80")
         .case("*.md")
         .case("docs/*.md");
+}
+
+/// What documents take from a record is what `trisect report --splice` makes of it.
+#[test]
+fn documents_are_spliced_from_their_record() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let record = root.join("reports/2026-11-24-zen4/record.jsonl");
+    let record = std::fs::File::open(record).expect("the record that the documents name");
+    let records = Records::read(std::io::BufReader::new(record)).expect("a sound record");
+    for document in ["README.md", "docs/HAVEL.md"] {
+        let text = std::fs::read_to_string(root.join(document)).expect("a document");
+        let spliced = trisect_report::splice(&text, &records).expect("there are markers");
+        assert!(
+            spliced == text,
+            "{document} is out of date: splice it anew with the command that it names"
+        );
+    }
 }
