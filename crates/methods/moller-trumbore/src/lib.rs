@@ -3,7 +3,7 @@
 
 use trisect_core::{
     Corners, Culling, Division, Forms, Hit, Homogeneous, Implied, Input, Interval, Lanes, Method,
-    MethodInfo, Of, Output, Quotients, Ray, Scalar, Triangle, Vec3, record, seen,
+    MethodInfo, Of, Output, Ray, Scalar, Triangle, Vec3, record, seen,
 };
 
 record! {
@@ -104,6 +104,14 @@ impl Method for MollerTrumbore {
 /// the first test as well.
 pub struct PublishedOrder<const ORDER: u8>;
 
+/// By order: as typed, and in prose.
+const NAMES: [(&str, &str); 4] = [
+    ("moller-trumbore-1", "Möller–Trumbore, order 1"),
+    ("moller-trumbore-2", "Möller–Trumbore, order 2"),
+    ("moller-trumbore-3", "Möller–Trumbore, order 3"),
+    ("moller-trumbore-4", "Möller–Trumbore, order 4"),
+];
+
 #[inline(always)]
 fn edges<L: Lanes>(corners: &Corners<L>) -> EdgeTriangle<L> {
     let (e1, e2) = corners.edges();
@@ -182,18 +190,8 @@ impl<const ORDER: u8> PublishedOrder<ORDER> {
 
 impl<const ORDER: u8> Method for PublishedOrder<ORDER> {
     const INFO: MethodInfo = MethodInfo {
-        name: match ORDER {
-            1 => "moller-trumbore-1",
-            2 => "moller-trumbore-2",
-            3 => "moller-trumbore-3",
-            _ => "moller-trumbore-4",
-        },
-        title: match ORDER {
-            1 => "Möller–Trumbore, order 1",
-            2 => "Möller–Trumbore, order 2",
-            3 => "Möller–Trumbore, order 3",
-            _ => "Möller–Trumbore, order 4",
-        },
+        name: NAMES[ORDER as usize - 1].0,
+        title: NAMES[ORDER as usize - 1].1,
         input: Input::Points,
         forms: if ORDER == 1 { Forms::Early } else { Forms::Deferred },
         ..INFO
@@ -215,15 +213,6 @@ impl<const ORDER: u8> Method for PublishedOrder<ORDER> {
     #[inline(always)]
     fn intersect<L: Lanes>(ray: &Ray<L>, corners: &Corners<L>) -> Homogeneous<L> {
         solve(ray, &edges(corners))
-    }
-
-    #[inline(always)]
-    fn intersect_early<L: Lanes>(
-        ray: &Ray<L>,
-        corners: &Corners<L>,
-        reciprocal: impl Fn(L) -> L,
-    ) -> Quotients<L> {
-        MollerTrumbore::intersect_early(ray, &edges(corners), reciprocal)
     }
 
     #[inline(always)]
