@@ -37,7 +37,9 @@ pub use method::{Homogeneous, Method, MethodVisitor, Quotients, RayParts};
 pub use needs::{Barycentrics, Distance, Needs, Normal, Occlusion, Point};
 pub use number::Number;
 pub use planes::{Functions, MappedRay, PlaneFirst, Slopes, ThreePlanes};
-pub use prepared::{BLOCK, Common, PADDING, Packets, PreparedTriangles, UnsuitableMesh};
+pub use prepared::{
+    BLOCK, Common, PADDING, Packets, PreparedTriangles, UnsuitableMesh, common_projection_axis,
+};
 pub use record::{Of, Record, field};
 pub use single::{PreparedPair, intersect, intersect_with};
 pub use tier::{InstructionSet, LanesVisitor, Precision, Token};

@@ -44,6 +44,46 @@ impl fmt::Display for UnsuitableMesh {
 
 impl core::error::Error for UnsuitableMesh {}
 
+/// The axis that all triangles of a mesh can be projected along: the one along which the least
+/// favourable triangle keeps the largest share of its area.
+///
+/// # Errors
+/// When every axis has a triangle that is parallel to it.
+pub fn common_projection_axis<X: Scalar>(
+    triangles: &[Triangle<X>],
+) -> Result<usize, UnsuitableMesh> {
+    let zero = X::from_f64(0.0);
+    let mut shares = [(X::from_f64(1.0), 0); 3];
+    for (number, triangle) in triangles.iter().enumerate() {
+        let n = triangle.normal().map(X::abs);
+        let largest = n.to_array()[n.largest_axis()];
+        // Degenerate triangles never hit, whatever the axis.
+        if largest > zero {
+            for (least, share) in shares.iter_mut().zip(n.map(|x| x / largest).to_array()) {
+                if share < least.0 {
+                    *least = (share, number);
+                }
+            }
+        }
+    }
+    let mut best = 0;
+    for axis in 1..3 {
+        if shares[axis].0 > shares[best].0 {
+            best = axis;
+        }
+    }
+    if shares[best].0 > zero {
+        return Ok(best);
+    }
+    let [x, y, z] = shares.map(|(_, number)| number);
+    Err(UnsuitableMesh {
+        reason: format!(
+            "the triangles share no axis to be projected along: triangle {x} is parallel to x, \
+             {y} to y, {z} to z; use wald, which has an axis per triangle"
+        ),
+    })
+}
+
 impl<M: Method, E: Scalar> PreparedTriangles<M, E> {
     /// Prepares `triangles`; their numbers are their places in the slice.
     ///

@@ -18,6 +18,18 @@ pub trait Record: 'static {
     fn with_axis_last<X: Copy>(from: &Self::Of<X>, w: usize) -> Self::Of<X>;
 }
 
+/// Nothing stored.
+impl Record for () {
+    type Of<X: Copy> = ();
+    const NUMBERS: usize = 0;
+    #[inline(always)]
+    fn map<X: Copy, Y: Copy>(_from: &(), _f: impl FnMut(&X) -> Y) {}
+    #[inline(always)]
+    fn zip<X: Copy, Y: Copy>(_to: &mut (), _from: &(), _f: impl FnMut(&mut X, &Y)) {}
+    #[inline(always)]
+    fn with_axis_last<X: Copy>(_from: &(), _w: usize) {}
+}
+
 /// Two records side by side.
 impl<A: Record, B: Record> Record for (A, B) {
     type Of<X: Copy> = (A::Of<X>, B::Of<X>);

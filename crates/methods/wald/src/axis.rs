@@ -1,6 +1,8 @@
 //! How the axis that a triangle is projected along is kept.
 
-use trisect_core::{Lanes, Of, Ray, Record, Scalar, Triangle, UnsuitableMesh, Vec3, record};
+use trisect_core::{
+    Lanes, Of, Ray, Record, Scalar, Triangle, UnsuitableMesh, Vec3, common_projection_axis, record,
+};
 
 record! {
     /// Nothing but the axis `w`; `u` and `v` follow by table.
@@ -46,83 +48,29 @@ pub trait AxisChoice: Send + Sync + 'static {
     }
 }
 
-/// Nothing stored per triangle.
-pub struct NoAxis;
+/// Triangles are sorted into three groups by axis, so that none carries it; or all are of one, `FIXED`
+/// for the mesh.
+pub struct Sorted<const FIXED: bool>;
 
-impl Record for NoAxis {
-    type Of<X: Copy> = ();
-    const NUMBERS: usize = 0;
-    #[inline(always)]
-    fn map<X: Copy, Y: Copy>(_from: &(), _f: impl FnMut(&X) -> Y) {}
-    #[inline(always)]
-    fn zip<X: Copy, Y: Copy>(_to: &mut (), _from: &(), _f: impl FnMut(&mut X, &Y)) {}
-    #[inline(always)]
-    fn with_axis_last<X: Copy>(_from: &(), _w: usize) {}
-}
-
-/// Triangles are sorted into three groups by axis; no triangle carries it.
-pub struct Grouped;
-
-impl AxisChoice for Grouped {
-    const NAME: &'static str = "wald";
-    const TITLE: &'static str = "Wald";
-    const GROUPS: usize = 3;
-    type Stored = NoAxis;
-    #[inline(always)]
-    fn store<X: Scalar>(_w: usize) {}
-    #[inline(always)]
-    fn in_order<L: Lanes>((): &(), ray: &Ray<L>) -> Ray<L> {
-        *ray
-    }
-}
+/// Each triangle is in the group of the axis that suits it best.
+pub type Grouped = Sorted<false>;
 
 /// All triangles of a mesh have one axis.
-pub struct Fixed;
+pub type Fixed = Sorted<true>;
 
-impl AxisChoice for Fixed {
-    const NAME: &'static str = "wald-fixed-axis";
-    const TITLE: &'static str = "Wald, one axis for the mesh";
+impl<const FIXED: bool> AxisChoice for Sorted<FIXED> {
+    const NAME: &'static str = if FIXED { "wald-fixed-axis" } else { "wald" };
+    const TITLE: &'static str = if FIXED { "Wald, one axis for the mesh" } else { "Wald" };
     const GROUPS: usize = 3;
-    type Stored = NoAxis;
+    type Stored = ();
     #[inline(always)]
     fn store<X: Scalar>(_w: usize) {}
     #[inline(always)]
     fn in_order<L: Lanes>((): &(), ray: &Ray<L>) -> Ray<L> {
         *ray
     }
-
-    /// The axis along which the least favourable triangle keeps the largest share of its area.
     fn mesh_axis<X: Scalar>(triangles: &[Triangle<X>]) -> Result<Option<usize>, UnsuitableMesh> {
-        let zero = X::from_f64(0.0);
-        let mut shares = [(X::from_f64(1.0), 0); 3];
-        for (number, triangle) in triangles.iter().enumerate() {
-            let n = triangle.normal().map(X::abs);
-            let largest = n.to_array()[n.largest_axis()];
-            // Degenerate triangles never hit, whatever the axis.
-            if largest > zero {
-                for (least, share) in shares.iter_mut().zip(n.map(|x| x / largest).to_array()) {
-                    if share < least.0 {
-                        *least = (share, number);
-                    }
-                }
-            }
-        }
-        let mut best = 0;
-        for axis in 1..3 {
-            if shares[axis].0 > shares[best].0 {
-                best = axis;
-            }
-        }
-        if shares[best].0 > zero {
-            return Ok(Some(best));
-        }
-        let [x, y, z] = shares.map(|(_, number)| number);
-        Err(UnsuitableMesh {
-            reason: format!(
-                "the triangles share no axis to be projected along: triangle {x} is parallel to x, \
-                 {y} to y, {z} to z; use wald, which has an axis per triangle"
-            ),
-        })
+        if FIXED { common_projection_axis(triangles).map(Some) } else { Ok(None) }
     }
 }
 

@@ -10,7 +10,7 @@ use trisect_core::{
 
 mod axis;
 
-pub use axis::{AxisChoice, ByIndices, ByTable, Fixed, Grouped};
+pub use axis::{AxisChoice, ByIndices, ByTable, Fixed, Grouped, Sorted};
 
 record! {
     /// Slopes over the projected plane: the triangle's plane scaled to `n|w = 1`, `beta`, `gamma`.
@@ -42,10 +42,9 @@ impl<F: Frame, L: Lanes> PlaneFirst<L> for Projected<F> {
     #[inline(always)]
     fn plane(ray: &Ray<L>, (tri, stored): &Self::Triangle) -> (L, L) {
         let o = F::relative(stored, ray.o);
-        let height = F::plus(stored, Function::Plane, o.z);
         (
             tri.nu.mul_add(ray.d.x, tri.nv.mul_add(ray.d.y, ray.d.z)),
-            -tri.nu.mul_add(o.x, tri.nv.mul_add(o.y, height)),
+            -tri.nu.mul_add(o.x, tri.nv.mul_add(o.y, F::plus(stored, Function::Plane, o.z))),
         )
     }
 
@@ -90,10 +89,9 @@ impl<A: AxisChoice, F: Frame> Method for Wald<A, F> {
         let Triangle { a, b, c } = triangle.with_axis_last(w);
         let (e1, e2) = (b - a, c - a);
         let n = e1.cross(e2).map(X::or_nan);
-        let [zero, one] = [0.0, 1.0].map(X::from_f64);
-        let plane = Vec3::new(n.x / n.z, n.y / n.z, one);
-        let beta = Vec3::new(e2.y / n.z, -e2.x / n.z, zero);
-        let gamma = Vec3::new(-e1.y / n.z, e1.x / n.z, zero);
+        let plane = Vec3::new(n.x / n.z, n.y / n.z, X::from_f64(1.0));
+        let beta = Vec3::new(e2.y / n.z, -e2.x / n.z, X::from_f64(0.0));
+        let gamma = Vec3::new(-e1.y / n.z, e1.x / n.z, X::from_f64(0.0));
         let projected = ProjectedTriangle {
             nu: plane.x,
             nv: plane.y,
