@@ -4,8 +4,8 @@
 use core::marker::PhantomData;
 
 use trisect_core::{
-    Alpha, Claims, Corners, Given, Homogeneous, Input, Lanes, Method, MethodInfo, Of, Output, Ray,
-    Scalar, Triangle, Vec3,
+    Alpha, Corners, Given, Homogeneous, Input, Lanes, Method, MethodInfo, Of, Output, Ray, Scalar,
+    Triangle, Vec3,
 };
 
 /// What counts as inside.
@@ -86,7 +86,6 @@ impl<T: Tolerance> Method for PluckerTranslated<T> {
                  for Efficient CPU Ray Tracing. ACM Transactions on Graphics 33(4), 2014",
         input: Input::Points,
         outputs: Output::ALL,
-        claims: Claims { watertight: false, culls: true, unit_direction: false },
         ..MethodInfo::USUAL
     };
     type Prepared = Corners<()>;
