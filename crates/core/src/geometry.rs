@@ -282,13 +282,31 @@ impl<X: Scalar> Triangle<X> {
         (self.b - self.a).cross(self.c - self.a)
     }
 
-    /// Whether the normal `(b − a) × (c − a)` is computed as zero: so it is where two corners are
-    /// equal, and where it underflows. For methods whose formula does not form the normal, and
-    /// would otherwise take its rounding errors for one.
+    /// Whether the corners lie on one line, or are equal: exactly so, not as rounding has it. For f64
+    /// while the bits of its coordinates along each axis span less than 2⁸³⁷; what underflows beyond
+    /// counts as zero.
     #[inline(always)]
     pub fn is_degenerate(&self) -> bool {
-        let zero = X::from_f64(0.0);
-        self.normal() == Vec3::new(zero, zero, zero)
+        X::are_collinear(self)
+    }
+
+    /// The triangle as methods get to see it: NaN all over where it is degenerate or not finite, so
+    /// that nothing computed from it hits, however it rounds.
+    #[allow(clippy::eq_op, reason = "x − x is NaN where x is not finite")]
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn or_nothing(&self) -> Self {
+        let Self { a, b, c } = *self;
+        let nothing = ((a - a) + (b - b) + (c - c)).sum();
+        if nothing == X::from_f64(0.0) && !self.is_degenerate() { *self } else { Self::nothing() }
+    }
+
+    /// A triangle that nothing hits: it fills up blocks.
+    #[inline(always)]
+    pub(crate) fn nothing() -> Self {
+        let nan = X::from_f64(f64::NAN);
+        let corner = Vec3::new(nan, nan, nan);
+        Self { a: corner, b: corner, c: corner }
     }
 }
 

@@ -17,14 +17,10 @@ record! {
 }
 
 impl<X: Scalar> Corners<X> {
-    /// The points as they are; of a degenerate triangle NaN, so that it never hits.
+    /// The points as they are.
     #[inline(always)]
     pub fn new(triangle: &Triangle<X>) -> Self {
         let Triangle { a, b, c } = *triangle;
-        if triangle.is_degenerate() {
-            let nan = a.map(|_| X::from_f64(f64::NAN));
-            return Self { a: nan, b: nan, c: nan };
-        }
         Self { a, b, c }
     }
 }

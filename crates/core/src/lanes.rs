@@ -12,6 +12,8 @@ use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, SimdFloatElement};
 
+use crate::collinear;
+use crate::geometry::{Triangle, Vec3};
 use crate::number::Number;
 use crate::tier::Token;
 
@@ -126,6 +128,13 @@ pub trait Scalar:
     fn smallest_det() -> Self {
         Self::from_f64(f64::MIN_POSITIVE)
     }
+    /// Whether the corners of a triangle lie on one line; see [`Triangle::is_degenerate`]. This is
+    /// the answer of the number's own arithmetic, for numbers that do not round.
+    #[inline(always)]
+    fn are_collinear(triangle: &Triangle<Self>) -> bool {
+        let zero = Self::from_f64(0.0);
+        triangle.normal() == Vec3::new(zero, zero, zero)
+    }
     /// The unit roundoff of the precision: half the distance from 1 to the next number.
     #[inline(always)]
     fn unit_roundoff() -> Self {
@@ -157,6 +166,8 @@ pub trait Float: Scalar + SimdFloatElement {
     const UNIT_ROUNDOFF: f64;
     /// The bits of the number, widened.
     fn bits64(self) -> u64;
+    /// The number with these bits; those beyond its own are dropped.
+    fn from_bits64(bits: u64) -> Self;
 }
 
 /// Implements [`Number`] and [`Lanes`] for a number of width 1 with operators and `PartialOrd`:
@@ -260,6 +271,9 @@ macro_rules! scalar {
             fn smallest_det() -> Self {
                 $float::MIN_POSITIVE
             }
+            fn are_collinear(triangle: &Triangle<Self>) -> bool {
+                collinear::are_collinear(triangle)
+            }
             #[inline(always)]
             fn unit_roundoff() -> Self {
                 $float::EPSILON / 2.0
@@ -282,6 +296,15 @@ macro_rules! scalar {
             #[inline(always)]
             fn bits64(self) -> u64 {
                 u64::from(self.to_bits())
+            }
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::unnecessary_cast,
+                reason = "what is beyond is dropped"
+            )]
+            #[inline(always)]
+            fn from_bits64(bits: u64) -> Self {
+                Self::from_bits(bits as $bits)
             }
         }
     };

@@ -1,9 +1,11 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod collinear;
 mod cost;
 mod counting;
 mod division;
+mod flushing;
 mod frame;
 mod geometry;
 mod info;
@@ -25,6 +27,7 @@ pub use counting::{Counting, Ops, counted};
 pub use division::{
     Culling, Deferred, Division, Early, Interval, Newton, Reciprocal, TrueDivision, seen,
 };
+pub use flushing::Flushing;
 pub use frame::{Anchor, Constants, Corner, Frame, Function, Start, Vertex, World};
 pub use geometry::{Hit, Ray, Triangle, Vec3};
 pub use info::{Claims, Forms, Input, MethodInfo, Output};
@@ -40,7 +43,7 @@ pub use planes::{Functions, MappedRay, PlaneFirst, Slopes, ThreePlanes};
 pub use prepared::{
     BLOCK, Common, PADDING, Packets, PreparedTriangles, UnsuitableMesh, common_projection_axis,
 };
-pub use record::{Of, Record, field};
+pub use record::{Of, Record, Value, field};
 pub use single::{PreparedPair, intersect, intersect_with};
 pub use tier::{InstructionSet, LanesVisitor, Precision, Token};
 pub use weights::{Alpha, Given, Implied};

@@ -107,8 +107,8 @@ pub trait Method: Send + Sync + Sized + 'static {
         Ok(None)
     }
 
-    /// What is stored for a triangle of kind `group`. A degenerate triangle gets data that never
-    /// hit.
+    /// What is stored for a triangle of kind `group`. The triangle is finite and has an area, or is
+    /// NaN all over: degenerate ones, and what fills up a block, are replaced by that before.
     fn prepare<X: Scalar>(triangle: &Triangle<X>, group: usize) -> Of<Self::Prepared, X>;
 
     /// What is computed once per ray for triangles of kind `group`.

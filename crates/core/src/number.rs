@@ -9,6 +9,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 /// never of the formula.
 pub trait Number:
     Copy
+    + Send
+    + Sync
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>

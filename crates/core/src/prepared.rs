@@ -8,7 +8,7 @@ use core::ops::Range;
 use crate::geometry::{Ray, Triangle, Vec3};
 use crate::lanes::{Lanes, Scalar};
 use crate::method::Method;
-use crate::record::{Of, Record};
+use crate::record::{Of, Record, Value};
 
 /// Triangles in a block and rays in a packet.
 pub const BLOCK: usize = 16;
@@ -18,7 +18,7 @@ pub const PADDING: u32 = u32::MAX;
 
 /// Prepared data of [`BLOCK`] triangles, number by number.
 #[repr(align(64))]
-pub(crate) struct Block<R: Record, E: Copy>(R::Of<[E; BLOCK]>);
+pub(crate) struct Block<R: Record, E: Value>(R::Of<[E; BLOCK]>);
 
 /// The triangles of a mesh, prepared for a method: sorted by the method's groups, in order of
 /// index within each.
@@ -55,9 +55,9 @@ pub fn common_projection_axis<X: Scalar>(
     let zero = X::from_f64(0.0);
     let mut shares = [(X::from_f64(1.0), 0); 3];
     for (number, triangle) in triangles.iter().enumerate() {
-        let n = triangle.normal().map(X::abs);
+        // What never hits does so whatever the axis.
+        let n = triangle.or_nothing().normal().map(X::abs);
         let largest = n.to_array()[n.largest_axis()];
-        // Degenerate triangles never hit, whatever the axis.
         if largest > zero {
             for (least, share) in shares.iter_mut().zip(n.map(|x| x / largest).to_array()) {
                 if share < least.0 {
@@ -94,8 +94,6 @@ impl<M: Method, E: Scalar> PreparedTriangles<M, E> {
     /// When there are more than `u32::MAX − 1` triangles.
     pub fn new(triangles: &[Triangle<E>]) -> Result<Self, UnsuitableMesh> {
         let fixed = M::mesh_group(triangles)?;
-        let zero = Vec3::new(E::from_f64(0.0), E::from_f64(0.0), E::from_f64(0.0));
-        let degenerate = Triangle { a: zero, b: zero, c: zero };
         let mut order: Vec<Vec<u32>> = vec![Vec::new(); M::GROUPS];
         for (number, triangle) in (0..PADDING).zip(triangles) {
             order[fixed.unwrap_or_else(|| M::group(triangle))].push(number);
@@ -113,12 +111,12 @@ impl<M: Method, E: Scalar> PreparedTriangles<M, E> {
         for (group, members) in order.iter().enumerate() {
             let start = prepared.blocks.len();
             for chunk in members.chunks(BLOCK) {
-                let padding = M::prepare(&degenerate, group);
+                let padding = M::prepare(&Triangle::nothing(), group);
                 let mut block = M::Prepared::map(&padding, |&x| [x; BLOCK]);
                 for lane in 0..BLOCK {
-                    let single = chunk
-                        .get(lane)
-                        .map_or(padding, |&i| M::prepare(&triangles[i as usize], group));
+                    let single = chunk.get(lane).map_or(padding, |&i| {
+                        M::prepare(&triangles[i as usize].or_nothing(), group)
+                    });
                     M::Prepared::zip(&mut block, &single, |row, &x| row[lane] = x);
                     prepared.singles.push(single);
                     prepared.numbers.push(chunk.get(lane).copied().unwrap_or(PADDING));

@@ -1,41 +1,46 @@
 //! Records of numbers: what a method stores per triangle, as a scalar when it is prepared, as
 //! `[E; 16]` in a block, as lanes in a kernel.
 
+/// What a record holds: data that can be copied and shared.
+pub trait Value: Copy + Send + Sync {}
+
+impl<X: Copy + Send + Sync> Value for X {}
+
 /// The shape of what is stored per triangle, whatever the numbers are. Implemented by
 /// [`record!`](crate::record) for the record of `()`: `EdgeTriangle<()>` is the shape,
 /// [`Of<EdgeTriangle<()>, f32>`](Of) is `EdgeTriangle<f32>`.
 pub trait Record: 'static {
     /// The record with numbers of type `X`.
-    type Of<X: Copy>: Copy;
+    type Of<X: Value>: Value;
     /// How many numbers.
     const NUMBERS: usize;
     /// Applies `f` to each number, in order of declaration.
-    fn map<X: Copy, Y: Copy>(from: &Self::Of<X>, f: impl FnMut(&X) -> Y) -> Self::Of<Y>;
+    fn map<X: Value, Y: Value>(from: &Self::Of<X>, f: impl FnMut(&X) -> Y) -> Self::Of<Y>;
     /// Applies `f` to each pair of numbers at the same place, in order of declaration.
-    fn zip<X: Copy, Y: Copy>(to: &mut Self::Of<X>, from: &Self::Of<Y>, f: impl FnMut(&mut X, &Y));
+    fn zip<X: Value, Y: Value>(to: &mut Self::Of<X>, from: &Self::Of<Y>, f: impl FnMut(&mut X, &Y));
     /// The record with axis `w` of each vector renamed to the last, see
     /// [`Vec3::with_axis_last`](crate::Vec3::with_axis_last).
-    fn with_axis_last<X: Copy>(from: &Self::Of<X>, w: usize) -> Self::Of<X>;
+    fn with_axis_last<X: Value>(from: &Self::Of<X>, w: usize) -> Self::Of<X>;
 }
 
 /// Nothing stored.
 impl Record for () {
-    type Of<X: Copy> = ();
+    type Of<X: Value> = ();
     const NUMBERS: usize = 0;
     #[inline(always)]
-    fn map<X: Copy, Y: Copy>(_from: &(), _f: impl FnMut(&X) -> Y) {}
+    fn map<X: Value, Y: Value>(_from: &(), _f: impl FnMut(&X) -> Y) {}
     #[inline(always)]
-    fn zip<X: Copy, Y: Copy>(_to: &mut (), _from: &(), _f: impl FnMut(&mut X, &Y)) {}
+    fn zip<X: Value, Y: Value>(_to: &mut (), _from: &(), _f: impl FnMut(&mut X, &Y)) {}
     #[inline(always)]
-    fn with_axis_last<X: Copy>(_from: &(), _w: usize) {}
+    fn with_axis_last<X: Value>(_from: &(), _w: usize) {}
 }
 
 /// Two records side by side.
 impl<A: Record, B: Record> Record for (A, B) {
-    type Of<X: Copy> = (A::Of<X>, B::Of<X>);
+    type Of<X: Value> = (A::Of<X>, B::Of<X>);
     const NUMBERS: usize = A::NUMBERS + B::NUMBERS;
     #[inline(always)]
-    fn map<X: Copy, Y: Copy>(from: &Self::Of<X>, mut f: impl FnMut(&X) -> Y) -> Self::Of<Y> {
+    fn map<X: Value, Y: Value>(from: &Self::Of<X>, mut f: impl FnMut(&X) -> Y) -> Self::Of<Y> {
         // A closure and not `&mut f`, whose call would stay out of line.
         let first = A::map(
             &from.0,
@@ -45,7 +50,7 @@ impl<A: Record, B: Record> Record for (A, B) {
         (first, B::map(&from.1, f))
     }
     #[inline(always)]
-    fn zip<X: Copy, Y: Copy>(
+    fn zip<X: Value, Y: Value>(
         to: &mut Self::Of<X>,
         from: &Self::Of<Y>,
         mut f: impl FnMut(&mut X, &Y),
@@ -59,7 +64,7 @@ impl<A: Record, B: Record> Record for (A, B) {
         B::zip(&mut to.1, &from.1, f);
     }
     #[inline(always)]
-    fn with_axis_last<X: Copy>(from: &Self::Of<X>, w: usize) -> Self::Of<X> {
+    fn with_axis_last<X: Value>(from: &Self::Of<X>, w: usize) -> Self::Of<X> {
         (A::with_axis_last(&from.0, w), B::with_axis_last(&from.1, w))
     }
 }
@@ -107,17 +112,17 @@ macro_rules! record {
         }
 
         impl $crate::Record for $name<()> {
-            type Of<X: Copy> = $name<X>;
+            type Of<X: $crate::Value> = $name<X>;
             const NUMBERS: usize = 0 $(+ $crate::record!(@count $kind))+;
             #[inline(always)]
-            fn map<X: Copy, Y: Copy>(
+            fn map<X: $crate::Value, Y: $crate::Value>(
                 from: &$name<X>,
                 mut f: impl FnMut(&X) -> Y,
             ) -> $name<Y> {
                 $name { $($field: $crate::record!(@map $kind from.$field, f)),+ }
             }
             #[inline(always)]
-            fn zip<X: Copy, Y: Copy>(
+            fn zip<X: $crate::Value, Y: $crate::Value>(
                 to: &mut $name<X>,
                 from: &$name<Y>,
                 mut f: impl FnMut(&mut X, &Y),
@@ -125,7 +130,7 @@ macro_rules! record {
                 $($crate::record!(@zip $kind to.$field, from.$field, f);)+
             }
             #[inline(always)]
-            fn with_axis_last<X: Copy>(from: &$name<X>, w: usize) -> $name<X> {
+            fn with_axis_last<X: $crate::Value>(from: &$name<X>, w: usize) -> $name<X> {
                 $name { $($field: $crate::record!(@turn $kind from.$field, w)),+ }
             }
         }

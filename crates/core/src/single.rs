@@ -37,7 +37,8 @@ impl<M: Method, E: Scalar> PreparedPair<M, E> {
     /// Prepares both, the triangle as one of kind `group`.
     pub fn of_group(ray: &Ray<E>, triangle: &Triangle<E>, group: usize) -> Self {
         let axis = turning_axis::<M, E>(ray);
-        let triangle = M::Prepared::with_axis_last(&M::prepare(triangle, group), axis);
+        let triangle =
+            M::Prepared::with_axis_last(&M::prepare(&triangle.or_nothing(), group), axis);
         Self { ray: M::prepare_ray(&ray.with_axis_last(axis), group), triangle, group }
     }
 

@@ -29,11 +29,9 @@ type Stored<F> = (ProjectedEdges<()>, <F as Frame>::Anchored);
 
 #[inline(always)]
 fn prepare<F: Frame, X: Scalar>(triangle: &Triangle<X>, w: usize) -> Of<Stored<F>, X> {
-    let degenerate = triangle.is_degenerate();
     let Triangle { a, b, c } = triangle.with_axis_last(w);
     let (e1, e2) = (b - a, c - a);
-    // A normal that was found to be zero in plain arithmetic stays so, and nothing is hit.
-    let n = if degenerate { a.map(|_| X::from_f64(0.0)) } else { e1.cross(e2) };
+    let n = e1.cross(e2);
     (ProjectedEdges { n, e1u: e1.x, e1v: e1.y, e2u: e2.x, e2v: e2.y }, F::anchor(a, n))
 }
 

@@ -50,10 +50,9 @@ impl<F: Frame> Method for Chirkov<F> {
 
     #[inline(always)]
     fn prepare<X: Scalar>(triangle: &Triangle<X>, w: usize) -> Of<Self::Prepared, X> {
-        let degenerate = triangle.is_degenerate();
         let Triangle { a, b, c } = triangle.with_axis_last(w);
         let (e1, e2) = (b - a, c - a);
-        let n = if degenerate { a.map(|_| X::from_f64(0.0)) } else { e1.cross(e2) };
+        let n = e1.cross(e2);
         let edges = ProjectedEdges { n, e1u: e1.x, e1v: e1.y, e2u: e2.x, e2v: e2.y };
         (edges, F::anchor(a, n))
     }

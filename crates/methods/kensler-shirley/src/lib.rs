@@ -50,15 +50,10 @@ const INFO: MethodInfo = MethodInfo {
     ..MethodInfo::USUAL
 };
 
-/// The corner and the edges; zero edges for a degenerate triangle, to whose `ab × ca` fused
-/// arithmetic would give a rounding error instead of zero.
+/// The corner and the edges.
 #[inline(always)]
 fn corner_triangle<X: Scalar>(triangle: &Triangle<X>) -> CornerTriangle<X> {
     let a = triangle.a;
-    if triangle.is_degenerate() {
-        let zero = a.map(|_| X::from_f64(0.0));
-        return CornerTriangle { a, ab: zero, ca: zero };
-    }
     CornerTriangle { a, ab: triangle.b - a, ca: a - triangle.c }
 }
 

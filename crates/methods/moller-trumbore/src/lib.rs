@@ -72,11 +72,6 @@ impl Method for MollerTrumbore {
     #[inline(always)]
     fn prepare<X: Scalar>(triangle: &Triangle<X>, _group: usize) -> Of<Self::Prepared, X> {
         let a = triangle.a;
-        if triangle.is_degenerate() {
-            // With unequal edges `det` would be a rounding error instead of zero.
-            let zero = a.map(|_| X::from_f64(0.0));
-            return EdgeTriangle { a, e1: zero, e2: zero };
-        }
         EdgeTriangle { a, e1: triangle.b - a, e2: triangle.c - a }
     }
 

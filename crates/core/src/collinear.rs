@@ -1,0 +1,127 @@
+//! Whether three points lie on one line, exactly.
+
+use robust::{Coord, orient2d};
+
+use crate::geometry::{Triangle, Vec3};
+use crate::lanes::Float;
+
+/// Whether the corners lie on one line: all three minors of the edges vanish.
+///
+/// A minor `p − q` of rounded edges is off by less than `8u(|p| + |q|)`, `u` the unit roundoff, while
+/// that sum is no subnormal number: each edge rounds once, each product once more, and their
+/// difference; what a product loses to underflow is below `2u` of the smallest normal number. So
+/// nearly every triangle is known not to be degenerate after one cross product. For the others
+/// Shewchuk's exact predicate decides ("Adaptive Precision Floating-Point Arithmetic and Fast Robust
+/// Geometric Predicates", Discrete & Computational Geometry 18, 1997).
+#[inline]
+pub(crate) fn are_collinear<E: Float>(triangle: &Triangle<E>) -> bool {
+    let Triangle { a, b, c } = *triangle;
+    let (e1, e2) = (b - a, c - a);
+    let bound = E::from_f64(8.0 * E::UNIT_ROUNDOFF);
+    let is_clear = |p: E, q: E| {
+        let size = p.abs() + q.abs();
+        (p - q).abs() > bound * size && size >= E::smallest_det()
+    };
+    let clear = is_clear(e1.y * e2.z, e1.z * e2.y)
+        || is_clear(e1.z * e2.x, e1.x * e2.z)
+        || is_clear(e1.x * e2.y, e1.y * e2.x);
+    !clear && exactly(triangle.corners().map(|corner| corner.map(E::to_f64)))
+}
+
+/// The same by exact arithmetic, as long as nothing under- or overflows: so that a wide span of
+/// exponents has its room, the largest coordinate along each axis is brought near 2³⁰⁰ first, which
+/// keeps points on a line.
+#[cold]
+fn exactly(corners: [Vec3<f64>; 3]) -> bool {
+    let [a, b, c] = corners;
+    let scale = |x: fn(Vec3<f64>) -> f64| {
+        let largest = x(a).abs().max(x(b).abs()).max(x(c).abs());
+        power_of_two(300 - exponent(largest))
+    };
+    let (sx, sy, sz) = (scale(|v| v.x), scale(|v| v.y), scale(|v| v.z));
+    let [a, b, c] = [a, b, c].map(|v| Vec3::new(v.x * sx, v.y * sy, v.z * sz));
+    let turn = |x: fn(Vec3<f64>) -> f64, y: fn(Vec3<f64>) -> f64| {
+        let place = |v: Vec3<f64>| Coord { x: x(v), y: y(v) };
+        orient2d(place(a), place(b), place(c))
+    };
+    turn(|v| v.y, |v| v.z) == 0.0 && turn(|v| v.z, |v| v.x) == 0.0 && turn(|v| v.x, |v| v.y) == 0.0
+}
+
+/// The exponent of a number as it is stored, the lowest one for zeros and subnormals.
+fn exponent(x: f64) -> i32 {
+    i32::try_from((x.to_bits() >> 52) & 0x7ff).expect("eleven bits") - 1023
+}
+
+/// A power of two, the largest one there is for exponents beyond.
+fn power_of_two(exponent: i32) -> f64 {
+    let biased = u64::try_from(exponent.min(1023) + 1023).expect("no exponent is below −1023");
+    f64::from_bits(biased << 52)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line<E: Float>(direction: [f64; 3], places: [f64; 3]) -> Triangle<E> {
+        let [a, b, c] =
+            places.map(|t| Vec3::from(direction).map(|x| E::from_f64(x) * E::from_f64(t)));
+        Triangle { a, b, c }
+    }
+
+    /// Multiples of one direction by small whole numbers are exact, in both precisions.
+    #[test]
+    fn multiples_of_a_direction_are_collinear() {
+        for size in [-100, -10, 0, 100].map(power_of_two) {
+            for places in [[1.0, 2.0, 3.0], [-4.0, 0.0, 2.0], [3.0, 3.0, 1.0], [5.0, 5.0, 5.0]] {
+                let direction = [1234.0 * size, -987.0 * size, 345.0 * size];
+                assert!(are_collinear(&line::<f32>(direction, places)), "{size} {places:?}");
+                assert!(are_collinear(&line::<f64>(direction, places)), "{size} {places:?}");
+            }
+        }
+    }
+
+    /// The last bit of one coordinate decides, over the whole range of exponents.
+    #[test]
+    fn one_unit_in_the_last_place_is_enough() {
+        for exponent in [-1000, -400, -20, 0, 20, 400, 1000] {
+            let direction = [3.0, 5.0, 7.0].map(|x| x * power_of_two(exponent));
+            let flat: Triangle<f64> = line(direction, [1.0, 2.0, 3.0]);
+            let bent = Triangle { c: Vec3 { z: flat.c.z.next_up(), ..flat.c }, ..flat };
+            assert!(are_collinear(&flat) && !are_collinear(&bent), "2^{exponent}");
+        }
+        for exponent in [-140, -100, -20, 0, 20, 120] {
+            let direction = [3.0, 5.0, 7.0].map(|x| x * power_of_two(exponent));
+            let flat: Triangle<f32> = line(direction, [1.0, 2.0, 3.0]);
+            let bent = Triangle { c: Vec3 { z: flat.c.z.next_up(), ..flat.c }, ..flat };
+            assert!(are_collinear(&flat) && !are_collinear(&bent), "2^{exponent}");
+        }
+    }
+
+    /// Axes as different as they can be: along each the numbers keep their bits.
+    #[test]
+    fn axes_of_different_scales_are_told_apart() {
+        let direction = Vec3::new(3.0 * f64::from_bits(1), 5.0 * power_of_two(1000), 7.0);
+        let [a, b, c] = [1.0, 2.0, 5.0].map(|t| direction.scale(t));
+        assert!(are_collinear(&Triangle { a, b, c }));
+        let bent = Vec3 { x: c.x.next_up(), ..c };
+        assert!(!are_collinear(&Triangle { a, b, c: bent }));
+    }
+
+    /// Edges round here, so that neither their cross product nor its rounding can tell.
+    #[test]
+    fn rounded_edges_are_seen_through() {
+        // Abscissas have 21 bits, so that five times them is exact; differences have more.
+        let on_line = |x: f32| Vec3::new(x, 3.0 * x, 5.0 * x);
+        let a = on_line(1.0 + 1.0 / (1 << 20) as f32);
+        let mut rounded = 0;
+        for k in 2..200_u16 {
+            let [b, c] = [f32::from(k) + 0.5, -1.25 * f32::from(k)].map(on_line);
+            let flat = Triangle { a, b, c };
+            rounded += usize::from(flat.normal() != Vec3::new(0.0, 0.0, 0.0));
+            assert!(are_collinear(&flat), "{k}");
+            let bent = Triangle { c: Vec3 { x: c.x.next_up(), ..c }, ..flat };
+            assert!(!are_collinear(&bent), "{k}");
+        }
+        assert!(rounded > 10, "{rounded}");
+    }
+}
