@@ -6,6 +6,7 @@ use trisect_core::{Hit, Ray, Triangle, Vec3};
 
 use crate::mesh::{Bounds, Mesh};
 use crate::stream::Stream;
+use crate::surface::{Aim, Placement, Surface};
 
 /// Rays and triangles to test against each other.
 #[derive(Clone, Debug)]
@@ -96,68 +97,19 @@ impl Share {
 /// Whatever rounding does to its aim, a ray from inside hits a closed surface: each ray without a
 /// hit has passed through a crack between two triangles.
 pub fn edge_aimed(seed: u64, rays: usize, subdivisions: u32) -> Workload {
-    let triangles = sphere(2.0, subdivisions);
-    let mut stream = Stream::new("edges", seed);
-    let rays = (0..rays)
-        .map(|_| {
-            let Triangle { a, b, c } = triangles[stream.below(triangles.len())];
-            let (from, to) = [(a, b), (b, c), (c, a)][stream.below(3)];
-            let point = (to - from).mul_add(stream.unit(), from);
-            let mut side = || stream.range(-1.0, 1.0);
-            let o = Vec3::new(side(), side(), side());
-            Ray::<f32>::new(o, point - o)
-        })
-        .collect();
+    let sphere = Surface::sphere(subdivisions);
+    let edges = sphere.features(Aim::Edges);
+    let each = rays.div_ceil(edges.len());
+    let mut aimed: Vec<_> =
+        edges.iter().flat_map(|edge| sphere.aimed(edge, &Placement::HERE, seed, each)).collect();
+    Stream::new("edges", seed).shuffle(&mut aimed);
+    aimed.truncate(rays);
     Workload {
         name: "edges".to_owned(),
         description: "rays from inside a closed sphere, aimed at its edges".to_owned(),
-        rays,
-        triangles: triangles.into(),
+        rays: aimed,
+        triangles: sphere.triangles(&Placement::HERE).into(),
     }
-}
-
-/// An icosahedron whose faces are divided into four again and again, its corners on the sphere.
-/// Neighbours have the same bits for the corners that they share.
-fn sphere(radius: f32, subdivisions: u32) -> Vec<Triangle<f32>> {
-    let onto = |v: Vec3<f32>| v.scale(radius / v.dot(v).sqrt());
-    let golden = 0.5 * (1.0 + 5.0_f32.sqrt());
-    let corner =
-        |x: f32, y: f32, axis: usize| onto(Vec3::new(x, y * golden, 0.0).with_axis_last(axis));
-    let corners: Vec<Vec3<f32>> = (0..3)
-        .flat_map(|axis| {
-            [(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(x, y)| corner(x, y, axis))
-        })
-        .collect();
-    // The faces are the triples of corners that are neighbours of each other.
-    let side = radius * 4.0 / (10.0 + 2.0 * 5.0_f32.sqrt()).sqrt();
-    let near = |i: usize, j: usize| {
-        let d = corners[i] - corners[j];
-        d.dot(d) < 1.1 * side * side
-    };
-    let mut faces = Vec::new();
-    for i in 0..12 {
-        for j in i + 1..12 {
-            for k in j + 1..12 {
-                if near(i, j) && near(j, k) && near(k, i) {
-                    faces.push(Triangle { a: corners[i], b: corners[j], c: corners[k] });
-                }
-            }
-        }
-    }
-    for _ in 0..subdivisions {
-        // The sum of two corners does not depend on their order.
-        let middle = |p: Vec3<f32>, q: Vec3<f32>| onto(p + q);
-        faces =
-            faces
-                .into_iter()
-                .flat_map(|Triangle { a, b, c }| {
-                    let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-                    [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
-                        .map(|(a, b, c)| Triangle { a, b, c })
-                })
-                .collect();
-    }
-    faces
 }
 
 fn ball_rays(stream: &str, seed: u64, count: usize) -> Vec<Ray<f32>> {
@@ -357,7 +309,7 @@ pub fn diffuse_bounce(
 ) -> Workload {
     let rays = surface_points(mesh, width, height, closest)
         .into_iter()
-        .map(|(pixel, Surface { point, normal })| {
+        .map(|(pixel, Spot { point, normal })| {
             let mut stream = Stream::new(&format!("bounce/{pixel}"), seed);
             Ray::<f32>::new(point, stream.cosine(normal))
         })
@@ -411,7 +363,7 @@ pub fn occlusion(
     const MARGIN: f32 = 1.0 / 4096.0;
     let rays = surface_points(mesh, width, height, closest)
         .into_iter()
-        .map(|(pixel, Surface { point, .. })| {
+        .map(|(pixel, Spot { point, .. })| {
             let mut stream = Stream::new(&format!("occlusion/{pixel}"), seed);
             let (r, s) = (stream.unit(), stream.unit());
             let target = light.v.mul_add(s, light.u.mul_add(r, light.corner));
@@ -427,7 +379,7 @@ pub fn occlusion(
 }
 
 /// A point just above a surface, and the unit normal there.
-struct Surface {
+struct Spot {
     point: Vec3<f32>,
     normal: Vec3<f32>,
 }
@@ -438,7 +390,7 @@ fn surface_points(
     width: usize,
     height: usize,
     closest: Closest<'_>,
-) -> Vec<(usize, Surface)> {
+) -> Vec<(usize, Spot)> {
     let offset = OFFSET * mesh.bounds.diagonal();
     camera_rays(&mesh.bounds, width, height)
         .iter()
@@ -451,7 +403,7 @@ fn surface_points(
             let normal = if normal.dot(ray.d) > 0.0 { -normal } else { normal };
             let point = normal.mul_add(offset, e1.mul_add(hit.beta, e2.mul_add(hit.gamma, a)));
             // NaN where the normal has no length.
-            normal.dot(normal).is_finite().then_some((pixel, Surface { point, normal }))
+            normal.dot(normal).is_finite().then_some((pixel, Spot { point, normal }))
         })
         .collect()
 }

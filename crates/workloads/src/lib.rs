@@ -6,6 +6,8 @@ pub mod rays;
 
 mod generate;
 mod stream;
+mod stress;
+mod surface;
 
 pub use generate::{
     Closest, Light, OFFSET, Share, Workload, diffuse_bounce, edge_aimed, hit_rate, occlusion,
@@ -16,3 +18,6 @@ pub use rays::{
     RaysError, RaysFile, RaysProblem, read_rays, read_rays_binary, read_rays_csv,
     write_rays_binary, write_rays_csv,
 };
+pub use stream::Stream;
+pub use stress::{Pair, Stress};
+pub use surface::{Aim, Feature, Placement, Surface};

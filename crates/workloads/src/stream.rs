@@ -7,10 +7,11 @@ use trisect_core::Vec3;
 
 /// PCG XSL RR 128/64 (O'Neill 2014). The name selects the stream (its increment), the seed the
 /// place in it, so that a new workload never changes the numbers of another.
-pub(crate) struct Stream(Pcg64);
+pub struct Stream(Pcg64);
 
 impl Stream {
-    pub(crate) fn new(name: &str, seed: u64) -> Self {
+    /// The numbers of a name and a seed.
+    pub fn new(name: &str, seed: u64) -> Self {
         let low = split_mix(seed);
         let high = split_mix(low);
         Self(Pcg64::new((u128::from(high) << 64) | u128::from(low), u128::from(fnv(name))))
@@ -21,6 +22,39 @@ impl Stream {
     pub(crate) fn unit(&mut self) -> f32 {
         const ULP: f32 = 1.0 / (1 << 24) as f32;
         (self.0.next_u64() >> 40) as f32 * ULP
+    }
+
+    /// Uniform over the 2⁵³ multiples of 2⁻⁵³ in `[0, 1)`.
+    pub fn unit_f64(&mut self) -> f64 {
+        const ULP: f64 = 1.0 / (1_u64 << 53) as f64;
+        (self.0.next_u64() >> 11) as f64 * ULP
+    }
+
+    /// Uniform in `[low, high)`, up to the rounding of the scaling.
+    pub fn range_f64(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit_f64()
+    }
+
+    /// Uniform in `[−1, 1)³`.
+    pub fn cube(&mut self) -> Vec3<f64> {
+        let mut side = || self.range_f64(-1.0, 1.0);
+        Vec3::new(side(), side(), side())
+    }
+
+    /// Uniform on the unit sphere, by rejection from the cube.
+    pub(crate) fn sphere_f64(&mut self) -> Vec3<f64> {
+        loop {
+            let p = self.cube();
+            let squared = p.dot(p);
+            if squared <= 1.0 && squared > f64::from(SHORTEST * SHORTEST) {
+                return p.scale(1.0 / squared.sqrt());
+            }
+        }
+    }
+
+    /// 64 random bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0.next_u64()
     }
 
     /// Uniform in `[low, high)`, up to the rounding of the scaling.
@@ -91,7 +125,10 @@ impl Stream {
     }
 
     /// Uniform below `bound`, without bias: draws beyond the last whole multiple are rejected.
-    pub(crate) fn below(&mut self, bound: usize) -> usize {
+    ///
+    /// # Panics
+    /// When `bound` is zero.
+    pub fn below(&mut self, bound: usize) -> usize {
         let bound = bound as u64;
         let limit = u64::MAX - u64::MAX % bound;
         loop {
