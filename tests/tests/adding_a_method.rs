@@ -151,7 +151,11 @@ fn the_page_adds_a_method_by_one_crate_and_one_line() {
     copy.remove_others(Path::new(""));
 
     let crate_name = format!("trisect-{NAME}");
-    let tests = copy.cargo(&["test", "-p", &crate_name]);
+    // The golden cases alone are worth compiling well: in kernels that are not they take minutes.
+    let well = ["core", "testkit", "workloads", NAME]
+        .map(|name| format!("--config=profile.dev.package.trisect-{name}.opt-level=2"));
+    let [core, testkit, workloads, method] = &well;
+    let tests = copy.cargo(&["test", core, testkit, workloads, method, "-p", &crate_name]);
     let tests = String::from_utf8_lossy(&tests.stdout);
     assert!(tests.contains("test result: ok. 16 passed"), "not all properties ran:\n{tests}");
 

@@ -4,15 +4,19 @@
 //! compile. The bits are compared on every width and instruction set for one form of each method, a
 //! ray at a time; for both forms, in all arrangements, with early-out and without, on the native
 //! widths, which differ from the others in the number of lanes alone.
+//!
+//! Kernels are listed behind pointers that know of no method, precision or width, so that what holds
+//! them to something is compiled once. Their numbers are carried in f64, which holds an f32 exactly.
 
+use core::any::Any;
 use core::marker::PhantomData;
 
 use proptest::prelude::*;
 use trisect_core::{
-    BLOCK, Common, CommonDirection, CommonOrigin, Culling, Deferred, Division, Early, Float, Hit,
-    Interval, Lanes, LanesVisitor, Method, Newton, PADDING, Packets, Precision, PreparedPair,
-    PreparedTriangles, Ray, Reciprocal, Scalar, Tested, Token, Triangle, TrueDivision, one_ray,
-    one_triangle, shared_packets,
+    BLOCK, Common, CommonDirection, CommonOrigin, Culling, Deferred, Division, Early, Hit,
+    InstructionSet, Interval, Lanes, LanesVisitor, Method, Newton, PADDING, Packets, Precision,
+    PreparedPair, PreparedTriangles, Ray, Reciprocal, Scalar, Tested, Token, Triangle,
+    TrueDivision, UnsuitableMesh, one_ray, one_triangle, shared_packets,
 };
 
 use crate::draw::{Pair, check, clear_hits, well_conditioned};
@@ -22,36 +26,91 @@ use crate::truth::Truth;
 /// Counts of rays and triangles around whole blocks.
 const COUNTS: [usize; 5] = [1, 15, 16, 17, 33];
 
-/// What every ray found on every triangle.
-struct Results<E> {
-    triangles: usize,
-    hits: Vec<Option<Hit<E>>>,
+/// A ray that hits a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Found {
+    pub(crate) ray: u32,
+    pub(crate) triangle: u32,
+    pub(crate) hit: Hit<f64>,
 }
 
-impl<E: Scalar> Results<E> {
-    fn none(rays: usize, triangles: usize) -> Self {
-        Self { triangles, hits: vec![None; rays * triangles] }
+impl Found {
+    fn bits(&self) -> [u64; 3] {
+        [self.hit.t, self.hit.beta, self.hit.gamma].map(f64::to_bits)
     }
 
-    /// Notes a hit; rays and triangles that only fill up a block must have none.
-    fn note(&mut self, ray: usize, triangle: u32, hit: Hit<E>) {
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        self.is_same_pair(other) && self.bits() == other.bits()
+    }
+
+    pub(crate) fn is_same_pair(&self, other: &Self) -> bool {
+        (self.ray, self.triangle) == (other.ray, other.triangle)
+    }
+}
+
+/// Which rays hit which triangles, in order of ray, then triangle.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Results(Vec<Found>);
+
+impl Results {
+    /// Notes a hit; rays and triangles that only fill up a block must have none. Out of line, so that
+    /// it is not compiled into every kernel.
+    #[inline(never)]
+    fn note(&mut self, ray: u32, triangle: u32, hit: Hit<f64>) {
         assert!(triangle != PADDING, "a lane without a triangle hits");
-        let place = ray * self.triangles + triangle as usize;
-        assert!(place < self.hits.len(), "a lane without a ray hits");
-        assert!(self.hits[place].replace(hit).is_none(), "a pair is tested twice");
+        assert!(ray != PADDING, "a lane without a ray hits");
+        self.0.push(Found { ray, triangle, hit });
+    }
+
+    /// Sorts what was noted; a pair must not be tested twice.
+    fn sorted(mut self) -> Self {
+        self.0.sort_unstable_by_key(|found| (found.ray, found.triangle));
+        let twice = self.0.windows(2).any(|two| two[0].is_same_pair(&two[1]));
+        assert!(!twice, "a pair is tested twice");
+        self
+    }
+
+    pub(crate) fn hits(&self) -> &[Found] {
+        &self.0
+    }
+
+    /// What a ray hits.
+    pub(crate) fn of_ray(&self, ray: usize) -> &[Found] {
+        let start = self.0.partition_point(|found| (found.ray as usize) < ray);
+        let end = self.0.partition_point(|found| found.ray as usize <= ray);
+        &self.0[start..end]
+    }
+
+    /// The same with the triangles numbered from the other end.
+    pub(crate) fn reversed(&self, triangles: usize) -> Self {
+        let last = u32::try_from(triangles).expect("triangles have numbers of 32 bits") - 1;
+        let turned = |found: &Found| Found { triangle: last - found.triangle, ..*found };
+        Self(self.0.iter().map(turned).collect()).sorted()
+    }
+
+    /// The first place where `same` does not hold; `None` where there is none.
+    pub(crate) fn difference(
+        &self,
+        other: &Self,
+        same: fn(&Found, &Found) -> bool,
+    ) -> Option<[Option<Found>; 2]> {
+        (0..self.0.len().max(other.0.len()))
+            .map(|place| [self.0.get(place).copied(), other.0.get(place).copied()])
+            .find(|two| !matches!(two, [Some(a), Some(b)] if same(a, b)))
     }
 }
 
 /// The lanes of a mask and their hits.
 #[inline(always)]
-fn unpack<L: Lanes>(mask: L::Mask, hit: Hit<L>, mut found: impl FnMut(usize, Hit<L::Elem>)) {
+fn unpack<L: Lanes>(mask: L::Mask, hit: Hit<L>, mut found: impl FnMut(usize, Hit<f64>)) {
     let zero = L::Elem::from_f64(0.0);
     let (mut t, mut beta, mut gamma) = ([zero; BLOCK], [zero; BLOCK], [zero; BLOCK]);
     hit.t.store(&mut t);
     hit.beta.store(&mut beta);
     hit.gamma.store(&mut gamma);
     each_bit(L::bits(mask), &mut |lane| {
-        found(lane, Hit { t: t[lane], beta: beta[lane], gamma: gamma[lane] });
+        let [t, beta, gamma] = [t[lane], beta[lane], gamma[lane]].map(Scalar::to_f64);
+        found(lane, Hit { t, beta, gamma });
     });
 }
 
@@ -70,9 +129,9 @@ trait Arrange {
     fn run<M: Method, L: Lanes, D: Division>(
         token: L::Token,
         rays: &[Ray<L::Elem>],
-        triangles: &[Triangle<L::Elem>],
+        triangles: &PreparedTriangles<M, L::Elem>,
         culling: Culling,
-    ) -> Results<L::Elem>;
+    ) -> Results;
 }
 
 const NOTHING: Common = Common { origin: false, direction: false };
@@ -85,32 +144,31 @@ impl Arrange for ByRay {
     fn run<M: Method, L: Lanes, D: Division>(
         token: L::Token,
         rays: &[Ray<L::Elem>],
-        triangles: &[Triangle<L::Elem>],
+        triangles: &PreparedTriangles<M, L::Elem>,
         culling: Culling,
-    ) -> Results<L::Elem> {
-        let prepared = prepared::<M, L::Elem>(triangles);
-        let mut results = Results::none(rays.len(), triangles.len());
+    ) -> Results {
+        let mut results = Results::default();
         token.run(
             #[inline(always)]
             || {
-                for (i, ray) in rays.iter().enumerate() {
+                for (number, ray) in (0..PADDING).zip(rays) {
                     one_ray::<M, L, D>(
                         token,
                         ray,
-                        &prepared,
+                        triangles,
                         culling,
                         #[inline(always)]
                         |tested, mask, hit| {
                             unpack(mask, hit, |lane, hit| {
-                                let number = prepared.number(tested.triangle_place + lane);
-                                results.note(i, number, hit);
+                                let triangle = triangles.number(tested.triangle_place + lane);
+                                results.note(number, triangle, hit);
                             });
                         },
                     );
                 }
             },
         );
-        results
+        results.sorted()
     }
 }
 
@@ -124,33 +182,31 @@ macro_rules! packets {
             fn run<M: Method, L: Lanes, D: Division>(
                 token: L::Token,
                 rays: &[Ray<L::Elem>],
-                triangles: &[Triangle<L::Elem>],
+                triangles: &PreparedTriangles<M, L::Elem>,
                 culling: Culling,
-            ) -> Results<L::Elem> {
-                let prepared = prepared::<M, L::Elem>(triangles);
+            ) -> Results {
                 let packets = Packets::new::<M>(rays);
-                let mut results = Results::none(rays.len(), triangles.len());
+                let mut results = Results::default();
                 token.run(
                     #[inline(always)]
                     || {
                         $run(
                             token,
                             &packets,
-                            &prepared,
+                            triangles,
                             culling,
                             #[inline(always)]
                             |tested: Tested<'_, M, L>, mask, hit| {
                                 unpack(mask, hit, |lane, hit| {
                                     let ray = packets.number(tested.ray_place + lane);
-                                    let number = prepared.number(tested.triangle_place);
-                                    assert!(ray != PADDING, "a lane without a ray hits");
-                                    results.note(ray as usize, number, hit);
+                                    let triangle = triangles.number(tested.triangle_place);
+                                    results.note(ray, triangle, hit);
                                 });
                             },
                         );
                     },
                 );
-                results
+                results.sorted()
             }
         }
     };
@@ -169,110 +225,154 @@ packets!(
     shared_packets::<M, L, D, CommonDirection>
 );
 
-fn prepared<M: Method, E: Scalar>(triangles: &[Triangle<E>]) -> PreparedTriangles<M, E> {
-    PreparedTriangles::new(triangles).expect("random triangles suit every method")
+/// What a kernel is compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Kind {
+    /// `early` or `deferred`
+    pub(crate) form: &'static str,
+    pub(crate) early_out: bool,
+    /// Whether the division is the processor's own.
+    pub(crate) divides: bool,
+    /// Whether `a·b + c` is rounded once.
+    pub(crate) fused: bool,
+    pub(crate) arrangement: &'static str,
+    pub(crate) lanes: usize,
+    pub(crate) instruction_set: InstructionSet,
 }
 
-/// Pairs, every fourth aimed at a corner, where decisions hang on the last bit.
-fn scene() -> impl Strategy<Value = Vec<Pair>> {
-    prop::collection::vec(well_conditioned(-0.2..0.8), 33).prop_map(|mut pairs| {
-        for pair in pairs.iter_mut().step_by(4) {
-            pair.ray.d = pair.triangle.b - pair.ray.o;
+/// Answers of rays to triangles in some form.
+type Answers<Triangles> = fn(&[Ray<f64>], &Triangles, Culling) -> Results;
+
+/// A kernel behind a pointer.
+pub(crate) struct Kernel {
+    pub(crate) kind: Kind,
+    needs: Common,
+    run: Answers<dyn Any>,
+    /// The answers of the scalar to pairs, one by one.
+    one_by_one: Answers<[Triangle<f64>]>,
+}
+
+/// Triangles as a method takes them, in one precision.
+pub(crate) struct Mesh(Box<dyn Any>);
+
+/// Some of the kernels of a method in one precision: those that the processor has.
+pub(crate) struct Kernels {
+    /// `f32` or `f64`
+    pub(crate) precision: &'static str,
+    prepare: fn(&[Triangle<f64>]) -> Result<Mesh, UnsuitableMesh>,
+    pub(crate) list: Vec<Kernel>,
+}
+
+impl Kernels {
+    fn none<M: Method, E: Precision>() -> Self {
+        fn prepare<M: Method, E: Precision>(
+            triangles: &[Triangle<f64>],
+        ) -> Result<Mesh, UnsuitableMesh> {
+            let triangles: Vec<_> = triangles.iter().map(narrow::<E>).collect();
+            Ok(Mesh(Box::new(PreparedTriangles::<M, E>::new(&triangles)?)))
         }
-        // NaN and degenerate triangles must be the same everywhere as well.
-        pairs[2].ray.o.x = f64::NAN;
-        pairs[3].triangle.b = pairs[3].triangle.c;
-        pairs
-    })
-}
+        Self { precision: E::NAME, prepare: prepare::<M, E>, list: Vec::new() }
+    }
 
-fn split<E: Float>(pairs: &[Pair]) -> (Vec<Ray<E>>, Vec<Triangle<E>>) {
-    pairs.iter().map(Pair::round::<E>).unzip()
-}
-
-fn wide<E: Float>(hit: Hit<E>) -> [u64; 3] {
-    [hit.t.bits64(), hit.beta.bits64(), hit.gamma.bits64()]
-}
-
-struct SameBits<'a, M, D, A> {
-    pairs: &'a [Pair],
-    method: PhantomData<(M, D, A)>,
-}
-
-impl<M: Method, D: Division, A: Arrange> LanesVisitor for SameBits<'_, M, D, A> {
-    fn visit<L: Lanes<Elem: Precision>>(&mut self) {
-        if const { L::FUSED } {
-            return;
+    /// All that rays without anything in common are tested with: what the tests below list, and no
+    /// kernel more.
+    pub(crate) fn of<M: Method, E: Precision>() -> Self {
+        let mut kernels = widths::<M, E>();
+        for more in
+            [divisions::<M, E>(), arranged::<M, E, ByTriangle>(), fused::<M, E>(), newton::<M, E>()]
+        {
+            for kernel in more.list {
+                if kernels.list.iter().all(|other| other.kind != kernel.kind) {
+                    kernels.list.push(kernel);
+                }
+            }
         }
-        let Some(token) = L::Token::detect() else {
-            return;
-        };
-        let (mut rays, triangles) = split::<L::Elem>(self.pairs);
-        share(&mut rays, A::NEEDS);
-        for culling in [Culling::None, Culling::Back, Culling::Front] {
-            for count in COUNTS {
-                let rays = if A::NEEDS == NOTHING { &rays } else { &rays[..count] };
-                let triangles =
-                    if A::NEEDS == NOTHING { &triangles[..count] } else { &triangles[..] };
-                let results = A::run::<M, L, D>(token, rays, triangles, culling);
-                same_bits::<M, D, L>(A::NAME, &results, rays, triangles, culling);
+        kernels
+    }
+
+    pub(crate) fn prepare(&self, triangles: &[Triangle<f64>]) -> Result<Mesh, UnsuitableMesh> {
+        (self.prepare)(triangles)
+    }
+}
+
+impl Kernel {
+    pub(crate) fn run(&self, rays: &[Ray<f64>], mesh: &Mesh, culling: Culling) -> Results {
+        (self.run)(rays, mesh.0.as_ref(), culling)
+    }
+}
+
+fn narrow<E: Scalar>(triangle: &Triangle<f64>) -> Triangle<E> {
+    let [a, b, c] = triangle.corners().map(|corner| corner.map(E::from_f64));
+    Triangle { a, b, c }
+}
+
+fn run<M: Method, L: Lanes, D: Division, A: Arrange>(
+    rays: &[Ray<f64>],
+    triangles: &dyn Any,
+    culling: Culling,
+) -> Results {
+    let token = L::Token::detect().expect("what the processor lacks is not listed");
+    let triangles = triangles.downcast_ref::<PreparedTriangles<M, L::Elem>>();
+    let triangles = triangles.expect("a mesh is prepared for its own kernels");
+    let rays: Vec<_> = rays.iter().map(|ray| ray.map(|&x| L::Elem::from_f64(x))).collect();
+    A::run::<M, L, D>(token, &rays, triangles, culling)
+}
+
+fn one_by_one<M: Method, D: Division, E: Scalar>(
+    rays: &[Ray<f64>],
+    triangles: &[Triangle<f64>],
+    culling: Culling,
+) -> Results {
+    let triangles: Vec<Triangle<E>> = triangles.iter().map(narrow).collect();
+    let fixed = M::mesh_group(&triangles).expect("random triangles suit every method");
+    let mut results = Results::default();
+    for (number, ray) in (0..PADDING).zip(rays) {
+        let ray = ray.map(|&x| E::from_f64(x));
+        for (place, triangle) in (0..PADDING).zip(&triangles) {
+            let pair = match fixed {
+                Some(group) => PreparedPair::<M, E>::of_group(&ray, triangle, group),
+                None => PreparedPair::new(&ray, triangle),
+            };
+            if let Some(Hit { t, beta, gamma }) = pair.test::<D>(Interval::of(&ray), culling) {
+                let [t, beta, gamma] = [t, beta, gamma].map(Scalar::to_f64);
+                results.note(number, place, Hit { t, beta, gamma });
             }
         }
     }
+    results
 }
 
-/// Gives all rays what they must share.
-fn share<E: Float>(rays: &mut [Ray<E>], needs: Common) {
-    // The first ray that is finite: one of them is not.
-    let first = rays[0];
-    for ray in rays {
-        if needs.origin {
-            ray.o = first.o;
+/// Lists a kernel per lane type, in the arithmetic that is asked for.
+struct Listing<'a, M, D, A, const FUSED: bool> {
+    list: &'a mut Vec<Kernel>,
+    method: PhantomData<(M, D, A)>,
+}
+
+impl<M: Method, D: Division, A: Arrange, const FUSED: bool> LanesVisitor
+    for Listing<'_, M, D, A, FUSED>
+{
+    fn visit<L: Lanes<Elem: Precision>>(&mut self) {
+        if const { L::FUSED != FUSED } || L::Token::detect().is_none() {
+            return;
         }
-        if needs.direction {
-            ray.d = first.d;
-        }
+        self.list.push(Kernel {
+            kind: Kind {
+                form: D::NAME,
+                early_out: D::EARLY_OUT,
+                divides: D::RECIPROCAL == TrueDivision::NAME,
+                fused: FUSED,
+                arrangement: A::NAME,
+                lanes: L::N,
+                instruction_set: L::Token::INSTRUCTION_SET,
+            },
+            needs: A::NEEDS,
+            run: run::<M, L, D, A>,
+            one_by_one: one_by_one::<M, D, L::Elem>,
+        });
     }
 }
 
-fn same_bits<M: Method, D: Division, L: Lanes<Elem: Float>>(
-    arrangement: &str,
-    results: &Results<L::Elem>,
-    rays: &[Ray<L::Elem>],
-    triangles: &[Triangle<L::Elem>],
-    culling: Culling,
-) {
-    let pairs = rays.iter().flat_map(|ray| triangles.iter().map(move |triangle| (ray, triangle)));
-    for ((ray, triangle), found) in pairs.zip(&results.hits) {
-        let scalar = in_mesh::<M, D, L::Elem>(ray, triangle, triangles, culling);
-        assert!(
-            found.map(wide) == scalar.map(wide),
-            "{}, {}×{} on {}, {arrangement}, {culling:?}: {found:?}, scalar {scalar:?}\n\
-             {ray:?}\n{triangle:?}",
-            D::NAME,
-            <L::Elem as Float>::NAME,
-            L::N,
-            L::Token::INSTRUCTION_SET,
-        );
-    }
-}
-
-/// The scalar's answer to a pair, the triangle being one of a mesh.
-fn in_mesh<M: Method, D: Division, E: Scalar>(
-    ray: &Ray<E>,
-    triangle: &Triangle<E>,
-    mesh: &[Triangle<E>],
-    culling: Culling,
-) -> Option<Hit<E>> {
-    let fixed = M::mesh_group(mesh).expect("random triangles suit every method");
-    let pair = match fixed {
-        Some(group) => PreparedPair::<M, E>::of_group(ray, triangle, group),
-        None => PreparedPair::new(ray, triangle),
-    };
-    pair.test::<D>(Interval::of(ray), culling)
-}
-
-/// Something to do for each form of a method.
+/// Something to list for each form of a method.
 trait FormVisitor {
     fn visit<M: Method, D: Division>(&mut self);
 }
@@ -288,22 +388,130 @@ fn each_form<M: Method, const EARLY_OUT: bool>(visitor: &mut impl FormVisitor) {
 }
 
 /// Visits the one form that decides without quotients, where there is one.
-fn one_form<M: Method>(visitor: &mut impl FormVisitor) {
+fn one_form<M: Method, R: Reciprocal>(visitor: &mut impl FormVisitor) {
     if const { M::INFO.forms.deferred() } {
-        visitor.visit::<M, Deferred<TrueDivision, true>>();
+        visitor.visit::<M, Deferred<R, true>>();
     } else {
-        visitor.visit::<M, Early<TrueDivision, true>>();
+        visitor.visit::<M, Early<R, true>>();
     }
 }
 
-struct AllWidths;
+/// Lists the kernels of a form: on every width, or on the native ones.
+struct Forms<'a, E, A, const ALL: bool, const FUSED: bool> {
+    list: &'a mut Vec<Kernel>,
+    precision: PhantomData<(E, A)>,
+}
 
-impl FormVisitor for AllWidths {
+impl<'a, E, A, const ALL: bool, const FUSED: bool> Forms<'a, E, A, ALL, FUSED> {
+    fn new(list: &'a mut Vec<Kernel>) -> Self {
+        Self { list, precision: PhantomData }
+    }
+}
+
+impl<E: Precision, A: Arrange, const ALL: bool, const FUSED: bool> FormVisitor
+    for Forms<'_, E, A, ALL, FUSED>
+{
     fn visit<M: Method, D: Division>(&mut self) {
+        let list = &mut *self.list;
+        let mut listing = Listing::<M, D, A, FUSED> { list, method: PhantomData };
+        if const { ALL } {
+            E::visit_all(&mut listing);
+        } else {
+            E::visit_native(&mut listing);
+        }
+    }
+}
+
+/// One form on every width and instruction set, plain.
+fn widths<M: Method, E: Precision>() -> Kernels {
+    let mut kernels = Kernels::none::<M, E>();
+    one_form::<M, TrueDivision>(&mut Forms::<E, ByRay, true, false>::new(&mut kernels.list));
+    kernels
+}
+
+/// Every form, with early-out and without, on the native widths, plain.
+fn divisions<M: Method, E: Precision>() -> Kernels {
+    let mut kernels = Kernels::none::<M, E>();
+    let mut forms = Forms::<E, ByRay, false, false>::new(&mut kernels.list);
+    each_form::<M, true>(&mut forms);
+    each_form::<M, false>(&mut forms);
+    kernels
+}
+
+/// One form in another arrangement, on the native widths, plain.
+fn arranged<M: Method, E: Precision, A: Arrange>() -> Kernels {
+    let mut kernels = Kernels::none::<M, E>();
+    one_form::<M, TrueDivision>(&mut Forms::<E, A, false, false>::new(&mut kernels.list));
+    kernels
+}
+
+/// One form on the native widths, fused.
+fn fused<M: Method, E: Precision>() -> Kernels {
+    let mut kernels = Kernels::none::<M, E>();
+    one_form::<M, TrueDivision>(&mut Forms::<E, ByRay, false, true>::new(&mut kernels.list));
+    kernels
+}
+
+/// One form on the native widths with Newton's reciprocal, plain and fused.
+fn newton<M: Method, E: Precision>() -> Kernels {
+    let mut kernels = Kernels::none::<M, E>();
+    one_form::<M, Newton>(&mut Forms::<E, ByRay, false, false>::new(&mut kernels.list));
+    one_form::<M, Newton>(&mut Forms::<E, ByRay, false, true>::new(&mut kernels.list));
+    kernels
+}
+
+/// Pairs, every fourth aimed at a corner, where decisions hang on the last bit.
+fn scene() -> impl Strategy<Value = Vec<Pair>> {
+    prop::collection::vec(well_conditioned(-0.2..0.8), 33).prop_map(|mut pairs| {
+        for pair in pairs.iter_mut().step_by(4) {
+            pair.ray.d = pair.triangle.b - pair.ray.o;
+        }
+        // NaN and degenerate triangles must be the same everywhere as well.
+        pairs[2].ray.o.x = f64::NAN;
+        pairs[3].triangle.b = pairs[3].triangle.c;
+        pairs
+    })
+}
+
+/// Gives all rays what they must share.
+fn share(rays: &mut [Ray<f64>], needs: Common) {
+    // The first ray is finite: one of them is not.
+    let first = rays[0];
+    for ray in rays {
+        if needs.origin {
+            ray.o = first.o;
+        }
+        if needs.direction {
+            ray.d = first.d;
+        }
+    }
+}
+
+/// Holds kernels to the bits of the scalar, pair by pair.
+fn have_the_scalar_bits(kernels: &Kernels) {
+    for kernel in &kernels.list {
         check(2, &scene(), |pairs| {
-            let mut visitor = SameBits::<M, D, ByRay> { pairs: &pairs, method: PhantomData };
-            f32::visit_all(&mut visitor);
-            f64::visit_all(&mut visitor);
+            let (mut rays, triangles): (Vec<_>, Vec<_>) =
+                pairs.iter().map(|pair| (pair.ray, pair.triangle)).unzip();
+            share(&mut rays, kernel.needs);
+            for culling in [Culling::None, Culling::Back, Culling::Front] {
+                for count in COUNTS {
+                    let whole = kernel.needs != NOTHING;
+                    let rays = &rays[..count];
+                    let triangles = if whole { &triangles[..] } else { &triangles[..count] };
+                    let mesh =
+                        kernels.prepare(triangles).expect("random triangles suit every method");
+                    let results = kernel.run(rays, &mesh, culling);
+                    let scalar = (kernel.one_by_one)(rays, triangles, culling);
+                    let difference = results.difference(&scalar, Found::is_same);
+                    prop_assert!(
+                        difference.is_none(),
+                        "{}, {:?}, {culling:?}: against the scalar {difference:?}",
+                        kernels.precision,
+                        kernel.kind,
+                    );
+                }
+            }
             Ok(())
         });
     }
@@ -311,89 +519,70 @@ impl FormVisitor for AllWidths {
 
 /// Every width on every instruction set has the bits of the scalar.
 pub fn every_width_has_the_scalar_bits<M: Method>() {
-    one_form::<M>(&mut AllWidths);
-}
-
-struct NativeWidths<A>(PhantomData<A>);
-
-impl<A: Arrange> FormVisitor for NativeWidths<A> {
-    fn visit<M: Method, D: Division>(&mut self) {
-        check(2, &scene(), |pairs| {
-            let mut visitor = SameBits::<M, D, A> { pairs: &pairs, method: PhantomData };
-            f32::visit_native(&mut visitor);
-            f64::visit_native(&mut visitor);
-            Ok(())
-        });
-    }
+    have_the_scalar_bits(&widths::<M, f32>());
+    have_the_scalar_bits(&widths::<M, f64>());
 }
 
 /// The native widths have the bits of the scalar in every form, with early-out and without, and in
 /// every arrangement.
 pub fn every_division_has_the_scalar_bits<M: Method>() {
-    each_form::<M, true>(&mut NativeWidths::<ByRay>(PhantomData));
-    each_form::<M, false>(&mut NativeWidths::<ByRay>(PhantomData));
-    one_form::<M>(&mut NativeWidths::<ByTriangle>(PhantomData));
-    one_form::<M>(&mut NativeWidths::<ByOrigin>(PhantomData));
-    one_form::<M>(&mut NativeWidths::<ByDirection>(PhantomData));
-}
-
-struct WithinClaim<'a, M, D> {
-    pairs: &'a [Pair],
-    method: PhantomData<(M, D)>,
-}
-
-impl<M: Method, D: Division> LanesVisitor for WithinClaim<'_, M, D> {
-    fn visit<L: Lanes<Elem: Precision>>(&mut self) {
-        let Some(token) = L::Token::detect() else {
-            return;
-        };
-        // One Newton step from eleven bits leaves a relative error of 4 units or less, its own
-        // rounding adds 3; the condition number is at least twice the value.
-        let more = if D::RECIPROCAL == TrueDivision::NAME { 0.0 } else { 4.0 };
-        let (mut rays, mut triangles) = split::<L::Elem>(self.pairs);
-        let clear = rays.len();
-        for place in 0..clear {
-            // A degenerate triangle, and a ray to the middle of what is left of it.
-            let (o, Triangle { a, b, .. }) = (rays[place].o, triangles[place]);
-            let half = L::Elem::from_f64(0.5);
-            rays.push(Ray { d: (a + b).scale(half) - o, ..rays[place] });
-            triangles.push(Triangle { a, b, c: b });
-        }
-        let results = ByRay::run::<M, L, D>(token, &rays, &triangles, Culling::None);
-        let form = (D::NAME, D::RECIPROCAL, L::FUSED, L::N, L::Token::INSTRUCTION_SET);
-        for (ray, found) in results.hits.chunks(triangles.len()).enumerate() {
-            assert!(found[clear..].iter().all(Option::is_none), "{form:?} hits a degenerate one");
-            if ray < clear {
-                let hit = found[ray].unwrap_or_else(|| panic!("{form:?} misses a clear hit"));
-                let truth = Truth::of(&rays[ray], &triangles[ray]).expect("well conditioned");
-                if let Err(error) = within_claim::<M, L::Elem>(&truth, &hit, more, form) {
-                    panic!("{error}");
-                }
-            }
-        }
+    fn of<M: Method, E: Precision>() {
+        have_the_scalar_bits(&divisions::<M, E>());
+        have_the_scalar_bits(&arranged::<M, E, ByTriangle>());
+        have_the_scalar_bits(&arranged::<M, E, ByOrigin>());
+        have_the_scalar_bits(&arranged::<M, E, ByDirection>());
     }
+    of::<M, f32>();
+    of::<M, f64>();
 }
 
 /// Fused arithmetic and Newton's reciprocal keep the claim about errors, the latter with 4 units
 /// more, hit what is hit clearly, and do not hit degenerate triangles.
 pub fn fused_and_newton_keep_the_claim<M: Method>() {
-    if const { M::INFO.forms.deferred() } {
-        Claims.visit::<M, Deferred<Newton, true>>();
-    } else {
-        Claims.visit::<M, Early<Newton, true>>();
+    fn of<M: Method, E: Precision>() {
+        for kernels in [fused::<M, E>(), newton::<M, E>()] {
+            check(8, &prop::collection::vec(clear_hits(), 33), |pairs| {
+                for kernel in &kernels.list {
+                    keeps_the_claim::<M, E>(&kernels, kernel, &pairs)?;
+                }
+                Ok(())
+            });
+        }
     }
-    one_form::<M>(&mut Claims);
+    of::<M, f32>();
+    of::<M, f64>();
 }
 
-struct Claims;
-
-impl FormVisitor for Claims {
-    fn visit<M: Method, D: Division>(&mut self) {
-        check(8, &prop::collection::vec(clear_hits(), 33), |pairs| {
-            let mut visitor = WithinClaim::<M, D> { pairs: &pairs, method: PhantomData };
-            f32::visit_native(&mut visitor);
-            f64::visit_native(&mut visitor);
-            Ok(())
-        });
+fn keeps_the_claim<M: Method, E: Precision>(
+    kernels: &Kernels,
+    kernel: &Kernel,
+    pairs: &[Pair],
+) -> Result<(), TestCaseError> {
+    // One Newton step from eleven bits leaves a relative error of 4 units or less, its own rounding
+    // adds 3; the condition number is at least twice the value.
+    let more = if kernel.kind.divides { 0.0 } else { 4.0 };
+    let (mut rays, mut triangles): (Vec<_>, Vec<_>) =
+        pairs.iter().map(|pair| (pair.ray, pair.triangle)).unzip();
+    let clear = rays.len();
+    for place in 0..clear {
+        // A degenerate triangle, and a ray to the middle of what is left of it.
+        let (o, Triangle { a, b, .. }) = (rays[place].o, triangles[place]);
+        rays.push(Ray { d: (a + b).scale(0.5) - o, ..rays[place] });
+        triangles.push(Triangle { a, b, c: b });
     }
+    let mesh = kernels.prepare(&triangles).expect("random triangles suit every method");
+    let results = kernel.run(&rays, &mesh, Culling::None);
+    let degenerate = results.hits().iter().find(|found| found.triangle as usize >= clear);
+    prop_assert!(degenerate.is_none(), "{:?} hits a degenerate one", kernel.kind);
+    for (number, pair) in pairs.iter().enumerate() {
+        let hit = results.of_ray(number).iter().find(|found| found.triangle as usize == number);
+        let Some(Found { hit: Hit { t, beta, gamma }, .. }) = hit else {
+            return Err(TestCaseError::fail(format!("{:?} misses a clear hit", kernel.kind)));
+        };
+        let [t, beta, gamma] = [*t, *beta, *gamma].map(E::from_f64);
+        let (ray, triangle) = pair.round::<E>();
+        let truth = Truth::of(&ray, &triangle).expect("well conditioned");
+        within_claim::<M, E>(&truth, &Hit { t, beta, gamma }, more, kernel.kind)?;
+    }
+    Ok(())
 }

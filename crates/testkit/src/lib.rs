@@ -6,27 +6,25 @@ mod draw;
 mod golden;
 pub mod lanes;
 pub mod properties;
+mod readme;
 mod truth;
 
 pub use cost::{cost_table, readme_cost_tables};
-pub use golden::golden_cases;
+pub use golden::{Subject, golden_cases};
 pub use trisect_core::{Cost, Counting, Ops, cost, counted};
 
 /// Stamps the tests that every method is held to, one `#[test]` per property: the properties of
-/// one ray and one triangle, the lanes, the golden cases, and the cost tables in the README of the
-/// crate that calls. Each method of the crate gets a module.
-///
-/// `known_failures` lists the golden cases that the method fails, as `"S4/early"`; a listed case
-/// that holds fails the test as well.
+/// one ray and one triangle, and the lanes, in a module for each method of the crate; then the
+/// golden cases and the cost tables, as they stand in the README of the crate that calls.
 ///
 /// ```text
 /// trisect_testkit::conformance_tests! {
-///     wald: trisect_wald::Wald, known_failures: ["S4/early"];
+///     wald: trisect_wald::Wald;
 /// }
 /// ```
 #[macro_export]
 macro_rules! conformance_tests {
-    ($($name:ident: $method:ty $(, known_failures: [$($failure:literal),* $(,)?])?;)+) => {
+    ($($name:ident: $method:ty;)+) => {
         $(mod $name {
             #[allow(unused_imports, reason = "a method may be named by a path or not")]
             use super::*;
@@ -48,11 +46,12 @@ macro_rules! conformance_tests {
                 every_division_has_the_scalar_bits
                 fused_and_newton_keep_the_claim
             );
-            #[test]
-            fn golden_cases() {
-                $crate::golden_cases::<$method>(&[$($($failure),*)?]);
-            }
         })+
+        #[test]
+        fn golden_cases() {
+            let readme = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
+            $crate::golden_cases(readme.as_ref(), &[$($crate::Subject::of::<$method>()),+]);
+        }
         #[test]
         fn readme_has_the_cost_tables() {
             let readme = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
