@@ -1,0 +1,171 @@
+//! Which lanes a batch of rays runs on: the best that the processor has, chosen once.
+
+use rayon::prelude::*;
+use trisect_core::{Culling, Fused, Lanes, Method, Plain, Ray, Token, Vector};
+
+use crate::bvh::{Bvh, Statistics};
+use crate::traverse::{TriangleHit, room, trace};
+
+/// How a batch of rays is traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tracing {
+    /// As fast as the processor can: with fused multiply-add where it has that, and tests of boxes that
+    /// are as exact as the method promises to be.
+    Fast,
+    /// The same answers on every processor, those of testing every triangle: plain arithmetic, and
+    /// tests of boxes that allow for their rounding.
+    Plain,
+}
+
+/// Rays that one thread takes at a time.
+const CHUNK: usize = 1024;
+
+/// Something to do on lanes of choice.
+trait Job {
+    type Output;
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> Self::Output;
+}
+
+/// Runs a job on the lanes that are fast, where the processor has them.
+fn on_fast_lanes<J: Job>(job: J) -> Result<J::Output, J> {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    {
+        use fearless_simd::f32x8;
+        use fearless_simd::x86::{Avx2, Avx512};
+        if let Some(token) = Avx512::detect() {
+            return Ok(job.run::<Vector<Avx512, f32x8<Avx512>, Fused>>(token));
+        }
+        if let Some(token) = Avx2::detect() {
+            return Ok(job.run::<Vector<Avx2, f32x8<Avx2>, Fused>>(token));
+        }
+    }
+    #[cfg(target_arch = "aarch64")]
+    if let Some(token) = fearless_simd::aarch64::Neon::detect() {
+        use fearless_simd::aarch64::Neon;
+        return Ok(job.run::<Vector<Neon, fearless_simd::f32x4<Neon>, Fused>>(token));
+    }
+    Err(job)
+}
+
+/// Runs a job in plain arithmetic, which gives the same bits everywhere: on one instruction set that
+/// nearly all processors have, as each takes its time to compile for every method.
+fn on_plain_lanes<J: Job>(job: J) -> J::Output {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if let Some(token) = fearless_simd::x86::Sse4_2::detect() {
+        use fearless_simd::x86::Sse4_2;
+        return job.run::<Vector<Sse4_2, fearless_simd::f32x4<Sse4_2>, Plain>>(token);
+    }
+    job.run::<f32>(())
+}
+
+/// Rays and where their hits go.
+struct Batch<'a, M: Method, T, const ANY: bool, const ROBUST: bool> {
+    bvh: &'a Bvh<M>,
+    rays: &'a [Ray<f32>],
+    culling: Culling,
+    found: &'a mut [T],
+    note: fn(Option<TriangleHit>) -> T,
+}
+
+impl<M: Method, T: Send, const ANY: bool, const ROBUST: bool> Job for Batch<'_, M, T, ANY, ROBUST> {
+    type Output = ();
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
+        let Self { bvh, rays, culling, found, note } = self;
+        let mut stack = vec![0; room(bvh.depth)];
+        token.run(
+            #[inline(always)]
+            || {
+                for (ray, found) in rays.iter().zip(found) {
+                    // Known when it is compiled, where nothing is culled.
+                    let culling = if ROBUST { culling } else { Culling::None };
+                    let hit = trace::<M, L, ANY, ROBUST>(bvh, token, ray, culling, &mut stack);
+                    *found = note(hit);
+                }
+            },
+        );
+    }
+}
+
+/// A tree over a mesh, whatever its method.
+pub trait Tree: Send + Sync {
+    /// The closest hit of each ray: smallest `t`, then lowest number. On the threads of the pool that
+    /// it is called in.
+    ///
+    /// # Panics
+    /// When there are fewer places in `found` than rays.
+    fn closest(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        found: &mut [Option<TriangleHit>],
+    );
+
+    /// Whether each ray hits anything. On the threads of the pool that it is called in.
+    ///
+    /// # Panics
+    /// When there are fewer places in `found` than rays.
+    fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]);
+
+    /// Facts about the tree.
+    fn statistics(&self) -> Statistics;
+}
+
+impl<M: Method> Tree for Bvh<M> {
+    fn closest(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        found: &mut [Option<TriangleHit>],
+    ) {
+        self.batch::<_, false>(tracing, culling, rays, found, |hit| hit);
+    }
+
+    fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
+        self.batch::<_, true>(tracing, culling, rays, found, |hit| hit.is_some());
+    }
+
+    fn statistics(&self) -> Statistics {
+        self.statistics_of()
+    }
+}
+
+impl<M: Method> Bvh<M> {
+    fn batch<T: Send, const ANY: bool>(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        found: &mut [T],
+        note: fn(Option<TriangleHit>) -> T,
+    ) {
+        assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
+        let fast = tracing == Tracing::Fast && culling == Culling::None;
+        rays.par_chunks(CHUNK).zip(found.par_chunks_mut(CHUNK)).for_each(|(rays, found)| {
+            let rest = if fast { self.fast::<T, ANY>(rays, found, note) } else { Some(found) };
+            if let Some(found) = rest {
+                // The nearest hit is one as well: one instance less.
+                let plain = Batch::<M, T, false, true> { bvh: self, rays, culling, found, note };
+                on_plain_lanes(plain);
+            }
+        });
+    }
+
+    /// Traces on fast lanes; gives the places back where the processor has none.
+    fn fast<'a, T: Send, const ANY: bool>(
+        &'a self,
+        rays: &'a [Ray<f32>],
+        found: &'a mut [T],
+        note: fn(Option<TriangleHit>) -> T,
+    ) -> Option<&'a mut [T]> {
+        let culling = Culling::None;
+        if const { M::INFO.claims.watertight } {
+            let batch = Batch::<M, T, ANY, true> { bvh: self, rays, culling, found, note };
+            on_fast_lanes(batch).err().map(|batch| batch.found)
+        } else {
+            let batch = Batch::<M, T, ANY, false> { bvh: self, rays, culling, found, note };
+            on_fast_lanes(batch).err().map(|batch| batch.found)
+        }
+    }
+}

@@ -1,0 +1,13 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod binary;
+mod bounds;
+mod bvh;
+mod collapse;
+mod dispatch;
+mod traverse;
+
+pub use bvh::{Bvh, Statistics};
+pub use dispatch::{Tracing, Tree};
+pub use traverse::TriangleHit;

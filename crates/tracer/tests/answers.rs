@@ -1,0 +1,264 @@
+//! The tree answers as testing every triangle does.
+
+use trisect_core::{
+    Culling, Deferred, Method, PADDING, PreparedTriangles, Ray, Triangle, TrueDivision, Vec3,
+    one_ray,
+};
+use trisect_moller_trumbore::MollerTrumbore;
+use trisect_oracle::Oracle;
+use trisect_tracer::{Bvh, Statistics, Tracing, Tree, TriangleHit};
+use trisect_wald::Wald;
+use trisect_watertight::Watertight;
+use trisect_workloads::{Aim, Mesh, Placement, Stress, Surface};
+
+/// The closest hit of each ray, every triangle being tested.
+fn brute_force<M: Method>(
+    triangles: &[Triangle<f32>],
+    rays: &[Ray<f32>],
+    culling: Culling,
+) -> Vec<Option<TriangleHit>> {
+    let prepared = PreparedTriangles::<M, f32>::new(triangles).expect("it takes all meshes");
+    let closest = |ray: &Ray<f32>| {
+        let mut best: Option<TriangleHit> = None;
+        one_ray::<M, f32, Deferred<TrueDivision, true>>(
+            (),
+            ray,
+            &prepared,
+            culling,
+            |tested, met, hit| {
+                let triangle = prepared.number(tested.triangle_place);
+                let nearer = best.is_none_or(|best| {
+                    hit.t < best.hit.t || hit.t == best.hit.t && triangle < best.triangle
+                });
+                if met && triangle != PADDING && nearer {
+                    best = Some(TriangleHit { triangle, hit });
+                }
+            },
+        );
+        best
+    };
+    rays.iter().map(closest).collect()
+}
+
+fn tree<M: Method>(triangles: &[Triangle<f32>]) -> Bvh<M> {
+    Bvh::build(triangles).expect("it takes all meshes")
+}
+
+/// The tree's answers; any-hit and closest-hit are held to each other.
+fn traced(
+    tree: &dyn Tree,
+    tracing: Tracing,
+    culling: Culling,
+    rays: &[Ray<f32>],
+) -> Vec<Option<TriangleHit>> {
+    let mut found = vec![None; rays.len()];
+    tree.closest(tracing, culling, rays, &mut found);
+    let mut any = vec![false; rays.len()];
+    tree.any(tracing, culling, rays, &mut any);
+    for ((found, any), ray) in found.iter().zip(&any).zip(rays) {
+        assert_eq!(found.is_some(), *any, "{ray:?}");
+    }
+    found
+}
+
+fn agrees<M: Method>(name: &str, triangles: &[Triangle<f32>], rays: &[Ray<f32>]) {
+    let tree = tree::<M>(triangles);
+    for culling in [Culling::None, Culling::Back, Culling::Front] {
+        let all = brute_force::<M>(triangles, rays, culling);
+        let found = traced(&tree, Tracing::Plain, culling, rays);
+        for ((all, found), ray) in all.iter().zip(&found).zip(rays) {
+            assert_eq!(all, found, "{name}, {}, {culling:?}, {ray:?}", M::INFO.name);
+        }
+    }
+}
+
+/// Camera rays, random ones, and rays from corner to corner, where boxes meet.
+fn rays_of(mesh: &Mesh) -> Vec<Ray<f32>> {
+    let mut rays = trisect_workloads::primary(mesh, 16, 16).rays;
+    rays.extend(trisect_workloads::random_through_box(1, mesh, 200).rays);
+    let corners = mesh.triangles.iter().step_by(97).zip(mesh.triangles.iter().rev().step_by(89));
+    rays.extend(corners.take(100).map(|(from, to)| {
+        let o = from.a + (from.a - to.a);
+        Ray::<f32>::new(o, to.b - o)
+    }));
+    rays
+}
+
+#[test]
+fn plain_tracing_finds_what_testing_every_triangle_finds() {
+    let bunny = Mesh::bunny();
+    let rays = rays_of(&bunny);
+    agrees::<MollerTrumbore>("bunny", &bunny.triangles, &rays);
+    agrees::<Wald>("bunny", &bunny.triangles, &rays);
+    agrees::<Watertight>("bunny", &bunny.triangles, &rays);
+}
+
+/// Along axes, through lattice points: rays that lie in the sides of boxes.
+#[test]
+fn rays_in_the_sides_of_boxes_are_not_lost() {
+    let mut rays = Vec::new();
+    for axis in 0..3 {
+        for (i, j) in (0..9).flat_map(|i| (0..9).map(move |j| (i, j))) {
+            let side = |k: i32| k as f32 / 4.0 - 1.0;
+            for away in [-3.0, 3.0] {
+                let o = Vec3::new(side(i), side(j), away).with_axis_last(axis);
+                let d = Vec3::new(0.0, -0.0, -away).with_axis_last(axis);
+                rays.push(Ray::<f32>::new(o, d));
+            }
+        }
+    }
+    for surface in [Surface::cube(4), Surface::square(8)] {
+        let triangles = surface.triangles::<f32>(&Placement::HERE);
+        agrees::<MollerTrumbore>(surface.name, &triangles, &rays);
+        agrees::<Watertight>(surface.name, &triangles, &rays);
+    }
+}
+
+/// Where a method hits truly, the test of the box does not stand in its way, however hard the pair.
+#[test]
+fn no_box_discards_a_true_hit() {
+    fn check<M: Method>() {
+        for family in Stress::ALL {
+            for level in family.levels::<f32>() {
+                for (ray, triangle) in family.pairs::<f32>(1, level, 60) {
+                    let all = brute_force::<M>(&[triangle], &[ray], Culling::None);
+                    let is_true = Oracle::default().classify(&ray, &triangle).is_hit();
+                    if all[0].is_some() && is_true {
+                        let tree = tree::<M>(&[triangle]);
+                        let found = traced(&tree, Tracing::Plain, Culling::None, &[ray]);
+                        let place = (family.name(), level);
+                        assert_eq!(found, all, "{place:?}: {ray:?} {triangle:?}");
+                    }
+                }
+            }
+        }
+    }
+    check::<MollerTrumbore>();
+    check::<Watertight>();
+}
+
+#[test]
+fn closed_surfaces_stay_closed_for_a_watertight_method() {
+    for surface in [Surface::sphere(3), Surface::ragged_sphere(1), Surface::cube(4)] {
+        for (offset, scale) in [(0.0, 1.0), (1e3, 1.0), (1e6, 1.0), (0.0, 1e-6), (0.0, 1e6)] {
+            let offset = Vec3::new(0.6, -0.48, 0.64).scale(offset);
+            let placement = Placement { scale, offset };
+            let tree = tree::<Watertight>(&surface.triangles::<f32>(&placement));
+            for aim in [Aim::Edges, Aim::Vertices] {
+                let rays: Vec<Ray<f32>> = surface
+                    .features(aim)
+                    .iter()
+                    .flat_map(|feature| surface.aimed::<f32>(feature, &placement, 1, 100))
+                    .collect();
+                for tracing in [Tracing::Fast, Tracing::Plain] {
+                    let found = traced(&tree, tracing, Culling::None, &rays);
+                    let through = found.iter().filter(|hit| hit.is_none()).count();
+                    assert_eq!(through, 0, "{} {placement:?} of {}", surface.name, rays.len());
+                }
+            }
+        }
+    }
+}
+
+/// Fast tracing rounds otherwise, and may decide otherwise at an edge: nearly all rays find the same.
+#[test]
+fn fast_tracing_finds_nearly_always_the_same() {
+    let bunny = Mesh::bunny();
+    let rays = trisect_workloads::random_through_box(5, &bunny, 20_000).rays;
+    let tree = tree::<MollerTrumbore>(&bunny.triangles);
+    let fast = traced(&tree, Tracing::Fast, Culling::None, &rays);
+    let plain = traced(&tree, Tracing::Plain, Culling::None, &rays);
+    let differ = fast
+        .iter()
+        .zip(&plain)
+        .filter(|(a, b)| a.map(|hit| hit.triangle) != b.map(|hit| hit.triangle));
+    assert!(differ.count() < 20);
+}
+
+fn statistics(triangles: &[Triangle<f32>]) -> Statistics {
+    tree::<MollerTrumbore>(triangles).statistics()
+}
+
+#[test]
+fn meshes_of_all_kinds_are_built_and_traced() {
+    let unit = Triangle::<f32>::new([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    let ray = Ray::<f32>::new([0.25, 0.25, 1.0], [0.0, 0.0, -1.0]);
+    let hit = |triangles: &[Triangle<f32>], ray: Ray<f32>| {
+        traced(&tree::<MollerTrumbore>(triangles), Tracing::Fast, Culling::None, &[ray])[0]
+    };
+    let number = |triangles: &[Triangle<f32>], ray| hit(triangles, ray).map(|hit| hit.triangle);
+    assert_eq!(number(&[], ray), None);
+    assert_eq!(number(&[unit], ray), Some(0));
+    // A million copies: bounded in depth and memory, and the lowest number is found.
+    let copies = vec![unit; 1_000_000];
+    let facts = statistics(&copies);
+    assert!(facts.depth < 24, "{facts:?}");
+    assert!(facts.bytes < copies.len() * 128, "{facts:?}");
+    assert_eq!(number(&copies, ray), Some(0));
+    // Ever smaller ones: a chain, if nothing held it.
+    let chain: Vec<Triangle<f32>> = (0..1000)
+        .map(|k: u16| {
+            let size = 0.9_f32.powi(i32::from(k));
+            Triangle::new([size, 0.0, 0.0], [1.1 * size, 0.0, 0.0], [size, 0.1 * size, 0.0])
+        })
+        .collect();
+    assert!(statistics(&chain).depth < 80);
+    // Nothing to hit: NaN, infinities, no area.
+    let nan = Triangle { a: Vec3::new(f32::NAN, 0.0, 0.0), ..unit };
+    let infinite = Triangle { b: Vec3::new(0.0, f32::INFINITY, 0.0), ..unit };
+    let line = Triangle { c: unit.b, ..unit };
+    assert_eq!(number(&[nan, infinite, line], ray), None);
+    assert_eq!(number(&[nan, infinite, line, unit], ray), Some(3));
+    // Areas that overflow, and those that underflow.
+    for size in [1e-18, 1e18] {
+        let scaled: Vec<Triangle<f32>> = (0..100_u8)
+            .map(|k| {
+                let at = |x: f32, y: f32| Vec3::new(x * size, y * size, -f32::from(k) * size);
+                Triangle { a: at(0.0, 0.0), b: at(1.0, 0.0), c: at(0.0, 1.0) }
+            })
+            .collect();
+        let o = Vec3::new(0.25, 0.25, 1.0).scale(size);
+        let ray = Ray::<f32>::new(o, [0.0, 0.0, -1.0]);
+        let found = traced(&tree::<Wald>(&scaled), Tracing::Fast, Culling::None, &[ray])[0];
+        assert_eq!(found.map(|hit| hit.triangle), Some(0), "{size}");
+    }
+}
+
+#[test]
+fn rays_of_all_kinds_are_survived() {
+    let sphere = Surface::sphere(2).triangles::<f32>(&Placement::HERE);
+    let tree = tree::<MollerTrumbore>(&sphere);
+    let mut rays: Vec<Ray<f32>> =
+        Stress::RandomBits.pairs::<f32>(1, 0.0, 5000).into_iter().map(|(ray, _)| ray).collect();
+    let inside = Ray::<f32>::new([0.1, 0.2, 0.3], [1.0, 0.0, 0.0]);
+    rays.extend([
+        Ray { d: Vec3::new(0.0, 0.0, 0.0), ..inside },
+        Ray { tmin: 2.0, tmax: 1.0, ..inside },
+        Ray { tmin: f32::NAN, ..inside },
+        Ray { tmax: f32::NEG_INFINITY, ..inside },
+    ]);
+    for tracing in [Tracing::Fast, Tracing::Plain] {
+        for (ray, found) in rays.iter().zip(traced(&tree, tracing, Culling::None, &rays)) {
+            let Some(TriangleHit { hit, .. }) = found else { continue };
+            assert!([hit.t, hit.beta, hit.gamma].iter().all(|x| x.is_finite()), "{ray:?}");
+        }
+    }
+    // Behind the origin as well, where the interval says so.
+    let both_ways = Ray { tmin: f32::NEG_INFINITY, tmax: 0.0, ..inside };
+    let found = traced(&tree, Tracing::Fast, Culling::None, &[both_ways]);
+    assert!(found[0].is_some_and(|found| found.hit.t < 0.0));
+}
+
+#[test]
+fn the_tree_does_not_depend_on_the_number_of_threads() {
+    let bunny = Mesh::bunny();
+    let rays = trisect_workloads::random_through_box(2, &bunny, 3000).rays;
+    let of_threads = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let tree = tree::<MollerTrumbore>(&bunny.triangles);
+            (tree.statistics(), traced(&tree, Tracing::Fast, Culling::None, &rays))
+        })
+    };
+    assert_eq!(of_threads(1), of_threads(4));
+}
