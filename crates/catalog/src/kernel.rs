@@ -8,10 +8,11 @@ use std::any::Any;
 use std::ops::ControlFlow;
 
 use trisect_core::{
-    Common, CommonDirection, CommonOrigin, Culling, Division, Hit, InstructionSet, Lanes, Method,
-    Needs, Output, PADDING, Packets, Precision, PreparedTriangles, Ray, Scalar, Tested, Token,
-    Triangle, UnsuitableMesh, one_ray, one_triangle, shared_packets,
+    Common, CommonDirection, CommonOrigin, Culling, Division, Flushing, Hit, InstructionSet, Lanes,
+    Method, Needs, Output, PADDING, Packets, Precision, PreparedTriangles, Ray, Scalar, Tested,
+    Token, Triangle, UnsuitableMesh, intersect_with, one_ray, one_triangle, shared_packets,
 };
+use trisect_tracer::{Bvh, Tree};
 
 /// Which way round the lanes are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -313,6 +314,20 @@ pub(crate) trait Instances: Method {
                 sum.tally()
             },
         )
+    }
+
+    /// Puts triangles in a tree.
+    fn tree(triangles: &[Triangle<f32>]) -> Result<Box<dyn Tree>, UnsuitableMesh> {
+        Ok(Box::new(Bvh::<Self>::build(triangles)?))
+    }
+
+    /// A [`FlushingTest`](crate::FlushingTest).
+    fn flushing<D: Division>(ray: &Ray<f32>, triangle: &Triangle<f32>) -> Option<Hit<f64>> {
+        let number = |x: f32| Flushing::from_f64(f64::from(x));
+        let [a, b, c] = triangle.corners().map(|corner| corner.map(number));
+        let ray = ray.map(|&x| number(x));
+        let hit = intersect_with::<Self, D, Flushing>(&ray, &Triangle { a, b, c }, Culling::None)?;
+        Some(Hit { t: hit.t.to_f64(), beta: hit.beta.to_f64(), gamma: hit.gamma.to_f64() })
     }
 
     /// Runs a [`Finder`].

@@ -10,10 +10,13 @@ mod matrix;
 use std::sync::OnceLock;
 
 use trisect_core::{
-    Cost, Method, MethodInfo, MethodVisitor, Precision, Ray, Triangle, UnsuitableMesh, cost,
+    Cost, Hit, Method, MethodInfo, MethodVisitor, Precision, Ray, Triangle, UnsuitableMesh, cost,
 };
 
+use kernel::Instances as _;
 pub use kernel::{Arrangement, Find, Finder, Kernel, Lane, Scene, Tally, Variant};
+
+pub use trisect_tracer::{Statistics, Tracing, Tree, TriangleHit};
 
 include!(concat!(env!("OUT_DIR"), "/methods.rs"));
 
@@ -27,7 +30,17 @@ pub struct Entry {
     pub f32: Kernels<f32>,
     /// Its f64 kernels.
     pub f64: Kernels<f64>,
+    /// Its f32 tests as a processor runs them that flushes subnormal numbers to zero, by the division.
+    pub flushing: Vec<(&'static str, FlushingTest)>,
+    /// Puts triangles in a tree, prepared for the method, or says why it cannot take them.
+    pub tree: BuildTree,
 }
+
+/// Puts triangles in a tree.
+pub type BuildTree = fn(&[Triangle<f32>]) -> Result<Box<dyn Tree>, UnsuitableMesh>;
+
+/// A test of one ray against one triangle in [`Flushing`](trisect_core::Flushing) arithmetic.
+pub type FlushingTest = fn(&Ray<f32>, &Triangle<f32>) -> Option<Hit<f64>>;
 
 /// The compiled kernels of a method in one precision.
 pub struct Kernels<E: Precision> {
@@ -52,6 +65,8 @@ pub fn entries() -> &'static [Entry] {
                 cost: cost::<M>(),
                 f32: matrix::kernels::<M, f32>(),
                 f64: matrix::kernels::<M, f64>(),
+                flushing: matrix::flushing::<M>(),
+                tree: M::tree,
             });
         }
     }

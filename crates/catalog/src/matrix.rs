@@ -14,8 +14,8 @@ use trisect_core::{
     Precision, Token, TrueDivision,
 };
 
-use crate::Kernels;
-use crate::kernel::{Arrange, Finder, Kernel, OneRay, OneTriangle, Scene};
+use crate::kernel::{Arrange, Finder, Instances as _, Kernel, OneRay, OneTriangle, Scene};
+use crate::{FlushingTest, Kernels};
 
 /// Whether everything is compiled.
 const FULL: bool = cfg!(feature = "full");
@@ -25,6 +25,18 @@ pub(crate) fn kernels<M: Method, E: Precision>() -> Kernels<E> {
     let mut collect = Collect::<M> { timed: Vec::new(), finders: Vec::new(), method: PhantomData };
     E::visit_native(&mut collect);
     Kernels { prepare: Scene::prepare::<M, E>, timed: collect.timed, finders: collect.finders }
+}
+
+/// The tests of a method in flushing arithmetic.
+pub(crate) fn flushing<M: Method>() -> Vec<(&'static str, FlushingTest)> {
+    let mut tests: Vec<(_, FlushingTest)> = Vec::new();
+    if const { M::INFO.forms.early() } {
+        tests.push(("early", M::flushing::<Early<TrueDivision, true>>));
+    }
+    if const { M::INFO.forms.deferred() } {
+        tests.push(("deferred", M::flushing::<Deferred<TrueDivision, true>>));
+    }
+    tests
 }
 
 struct Collect<M> {

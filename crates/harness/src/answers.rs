@@ -183,13 +183,13 @@ fn both<'a>(a: &'a [Pair], b: &'a [Pair]) -> impl Iterator<Item = (&'a Pair, &'a
 }
 
 /// The distance between neighbouring numbers of that many bits at `x ≠ 0`, above the subnormals.
-fn unit_in_last_place(x: f64, significant_bits: i32) -> f64 {
+pub(crate) fn unit_in_last_place(x: f64, significant_bits: i32) -> f64 {
     // The biased exponent of an f64; subnormals do not come up in answers of order one.
     let exponent = i32::try_from((x.to_bits() >> 52) & 0x7ff).expect("eleven bits") - 1023;
     2.0_f64.powi(exponent + 1 - significant_bits)
 }
 
-fn quantiles(mut values: Vec<f64>) -> Quantiles {
+pub(crate) fn quantiles(mut values: Vec<f64>) -> Quantiles {
     if values.is_empty() {
         return Quantiles::default();
     }

@@ -6,8 +6,10 @@ pub mod file;
 pub mod machine;
 mod measure;
 pub mod record;
+mod stress;
 mod subject;
 mod timing;
 
 pub use measure::{Progress, Settings, Task, measure};
+pub use stress::{StressSettings, stress};
 pub use timing::WrongAnswer;

@@ -518,7 +518,7 @@ fn is_shown(family: Family, kernel: &Kernel, all: &[Kernel]) -> bool {
         }
 }
 
-fn record_variant(
+pub(crate) fn record_variant(
     method: &str,
     variant: Variant,
     arrangement: &str,

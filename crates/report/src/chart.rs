@@ -337,10 +337,29 @@ pub(crate) struct Plane {
     pub(crate) labels: Vec<(f64, f64, String)>,
 }
 
+/// A cell of a map.
+pub(crate) struct Cell {
+    /// From 0, nothing to show, to 1: the share of the cell that is filled.
+    pub(crate) weight: f64,
+    /// Stands in the cell where there is room.
+    pub(crate) text: String,
+}
+
+/// A grid of cells.
+pub(crate) struct Map {
+    pub(crate) title: String,
+    /// Heads of the columns.
+    pub(crate) columns: Vec<String>,
+    /// Labels of the rows with their cells.
+    pub(crate) rows: Vec<(String, Vec<Cell>)>,
+}
+
 /// One of the charts of a figure.
 pub(crate) enum Panel {
     Rows(Rows),
     Plane(Plane),
+    /// Takes a line for itself.
+    Map(Map),
 }
 
 /// What an entry of a legend explains.
@@ -404,6 +423,7 @@ impl Panel {
         match self {
             Self::Rows(rows) => rows.height(),
             Self::Plane(plane) => plane.title_height() + plane.height + AXIS,
+            Self::Map(map) => TITLE + HEADING + px(map.rows.len()) * ROW + 6,
         }
     }
 }
@@ -418,9 +438,12 @@ pub(crate) fn draw(
     description: &str,
 ) -> Result<String, DrawError> {
     let width = layout.width();
+    let has_map = drawing.panels.iter().any(|panel| matches!(panel, Panel::Map(_)));
     let columns = match layout {
-        Layout::Wide => px(drawing.panels.len()).clamp(1, 2),
-        Layout::Narrow => 1,
+        // Three that are to be compared stand in one line.
+        Layout::Wide if !has_map && drawing.panels.len() == 3 => 3,
+        Layout::Wide if !has_map => px(drawing.panels.len()).clamp(1, 2),
+        _ => 1,
     };
     let lines: Vec<&[Panel]> =
         drawing.panels.chunks(usize::try_from(columns).unwrap_or(1)).collect();
@@ -456,6 +479,7 @@ pub(crate) fn draw(
                     match panel {
                         Panel::Rows(rows) => draw_rows(&root, rows, at)?,
                         Panel::Plane(plane) => draw_plane(&root, plane, at)?,
+                        Panel::Map(map) => draw_map(&root, map, at)?,
                     }
                 }
                 top += line_height(line);
@@ -658,6 +682,46 @@ fn draw_rows(root: &Area, rows: &Rows, panel: Place) -> Drawn {
     }
     if let Some(rule) = rows.rule {
         line(root, (at(rule), top), (at(rule), bottom), Ink::Muted, 1)?;
+    }
+    Ok(())
+}
+
+fn draw_map(root: &Area, map: &Map, panel: Place) -> Drawn {
+    let labels = map.rows.iter().map(|(label, _)| text_width(label, TEXT)).max().unwrap_or(0);
+    let left = panel.left + 10 + labels.min((panel.right - panel.left) / 2);
+    let cell = (panel.right - 4 - left) / px(map.columns.len()).max(1);
+    let at = |column: usize| left + px(column) * cell + cell / 2;
+    let heading = style(Ink::Text, TEXT + 1, HPos::Left, VPos::Center);
+    root.draw(&Text::new(map.title.clone(), (panel.left + 4, panel.top + 10), heading))?;
+    let mut y = panel.top + TITLE;
+    for (column, head) in map.columns.iter().enumerate() {
+        text(root, head, (at(column), y + HEADING / 2), Ink::Muted, HPos::Center)?;
+    }
+    y += HEADING;
+    for (label, cells) in &map.rows {
+        let middle = y + ROW / 2;
+        // The label of a narrow map is cut where it would run into the cells.
+        let room = usize::try_from((left - panel.left) * 100 / (TEXT * 56)).unwrap_or(0);
+        text(root, &cut(label, room), (left - 6, middle), Ink::Muted, HPos::Right)?;
+        line(root, (left, y + ROW), (left + px(map.columns.len()) * cell, y + ROW), Ink::Grid, 1)?;
+        for (column, Cell { weight, text: says }) in cells.iter().enumerate() {
+            let centre = at(column);
+            let has_room = text_width(says, TEXT) + 13 <= cell;
+            // The area of the square is the weight.
+            #[expect(clippy::cast_possible_truncation, reason = "a few pixels")]
+            let half = (weight.clamp(0.0, 1.0).sqrt() * f64::from(ROW - 5) / 2.0).round() as i32;
+            // Beside its text where that has room, else in the same place without.
+            let middle_x = if cell > 24 { centre - cell / 2 + 7 } else { centre };
+            if half > 0 {
+                let corners = [(middle_x - half, middle - half), (middle_x + half, middle + half)];
+                root.draw(&Rectangle::new(corners, Ink::series(1).rgb().filled()))?;
+            }
+            if has_room {
+                let place = (centre - cell / 2 + 14, middle);
+                text(root, says, place, Ink::Text, HPos::Left)?;
+            }
+        }
+        y += ROW;
     }
     Ok(())
 }

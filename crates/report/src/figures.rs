@@ -38,7 +38,7 @@ pub(crate) fn all(view: &View) -> Vec<Figure> {
 }
 
 /// The look that a method has in every figure.
-fn look(view: &View, method: &str) -> Look {
+pub(crate) fn look(view: &View, method: &str) -> Look {
     Look::of(view.methods().iter().position(|m| *m == method).unwrap_or(0))
 }
 
@@ -426,12 +426,12 @@ fn early_out(view: &View) -> Figure {
     }
 }
 
-/// Lines of throughput over a series of workloads, one per method: its fastest f32 variant
-/// `among` those asked for, or f64 where there is no other. Also those variants, for the caption.
-/// As many lines as can be told apart: the fastest methods, and the one that all are compared with.
+/// As many lines as can be told apart, without the one that all are compared with.
 const LINES: usize = 7;
 
-fn fastest_methods<'a>(view: &View<'a>) -> Vec<&'a str> {
+/// The methods that are told apart in figures of lines: the fastest, and the one that all are
+/// compared with.
+pub(crate) fn fastest_methods<'a>(view: &View<'a>) -> Vec<&'a str> {
     let scores = view.comparable(|v| Some(v.needs.as_str()) == view.main_need()).scores();
     let mut methods: Vec<&str> = Vec::new();
     for (variant, _) in scores {
@@ -444,6 +444,8 @@ fn fastest_methods<'a>(view: &View<'a>) -> Vec<&'a str> {
     methods
 }
 
+/// Lines of throughput over a series of workloads, one per method: its fastest f32 variant
+/// `among` those asked for, or f64 where there is no other. Also those variants, for the caption.
 fn series_lines(
     view: &View,
     family: Family,
@@ -509,7 +511,7 @@ fn top_speed(series: &[Series]) -> f64 {
     series.iter().flat_map(|s| &s.points).map(|p| p.1).fold(0.0, f64::max)
 }
 
-fn percent(x: f64) -> String {
+pub(crate) fn percent(x: f64) -> String {
     format!("{} %", tick((x * 10.0).round() / 10.0))
 }
 

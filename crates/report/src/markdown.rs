@@ -6,6 +6,8 @@ use trisect_harness::record::{Records, Variant};
 
 use crate::format::{number, or_dash, scientific};
 use crate::havel;
+use crate::stress::findings;
+use crate::stress::markdown as stress;
 use crate::view::{BASELINE, NEEDS, View};
 
 /// Why a document could not be spliced.
@@ -27,7 +29,17 @@ pub enum SpliceError {
 type Write = fn(&View) -> String;
 
 /// What can be spliced: its name, and what writes it.
-const PARTS: [(&str, Write); 2] = [("methods", methods), ("havel", havel::page)];
+const PARTS: [(&str, Write); 9] = [
+    ("methods", methods),
+    ("havel", havel::page),
+    ("stress-findings", findings::page),
+    ("stress-f32", |view| stress::part(view, &stress::methods(view, "f32"), stress::METHODS)),
+    ("stress-f64", |view| stress::part(view, &stress::methods(view, "f64"), stress::METHODS)),
+    ("stress-watertight", |view| stress::part(view, &stress::watertight(view), "")),
+    ("stress-contract", |view| stress::part(view, &stress::contract(view), "")),
+    ("stress-special", |view| stress::part(view, &stress::special_values(view), stress::SPECIAL)),
+    ("stress-arithmetic", |view| stress::part(view, &stress::arithmetic(view), stress::ARITHMETIC)),
+];
 
 /// `document` with what stands between its markers made anew from a record.
 ///

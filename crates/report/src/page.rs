@@ -46,7 +46,8 @@ pub struct Page {
     pub figures: Vec<PathBuf>,
 }
 
-/// Draws the page and its figures into a folder, which is made if it does not exist.
+/// Draws the page and its figures into a folder, which is made if it does not exist. Where the folder
+/// holds the page of a stability study, the page leads to it.
 ///
 /// Every file is written beside its place under another name and then renamed, the page last:
 /// a reader sees the old page or the new one, never half of one.
@@ -54,7 +55,22 @@ pub struct Page {
 /// # Errors
 /// When a file cannot be written, or a figure or the page cannot be drawn.
 pub fn write_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
-    let drawn = Drawn::of(records)?;
+    let view = View::new(records);
+    let has_stress = folder.join(STRESS_PAGE).exists();
+    write(
+        folder,
+        INDEX_PAGE,
+        &Drawn::of(&view, figures::all(&view), |on_page| fill_in(&view, on_page, has_stress))?,
+    )
+}
+
+/// The page of a comparison.
+pub(crate) const INDEX_PAGE: &str = "index.html";
+/// The page of a stability study.
+pub(crate) const STRESS_PAGE: &str = "stress.html";
+
+/// Writes the figures of a page, then the page.
+pub(crate) fn write(folder: &Path, name: &str, drawn: &Drawn) -> Result<Page, PageError> {
     let figures = folder.join("figures");
     fs::create_dir_all(&figures)
         .map_err(|source| PageError::Write { path: figures.clone(), source })?;
@@ -64,7 +80,7 @@ pub fn write_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
         replace(&path, svg)?;
         paths.push(path);
     }
-    let index = folder.join("index.html");
+    let index = folder.join(name);
     replace(&index, &drawn.html)?;
     Ok(Page { index, figures: paths })
 }
@@ -75,14 +91,15 @@ fn replace(path: &Path, text: &str) -> Result<(), PageError> {
 }
 
 /// The page and its files in memory.
-struct Drawn {
+pub(crate) struct Drawn {
     html: String,
     /// Name and text of each figure's file.
     files: Vec<(String, String)>,
 }
 
+/// A figure as a page shows it.
 #[derive(Serialize)]
-struct FigureOnPage {
+pub(crate) struct FigureOnPage {
     name: &'static str,
     title: &'static str,
     caption: String,
@@ -177,6 +194,8 @@ struct Context<'a> {
     agreement: Vec<AgreementRow>,
     workloads: Vec<WorkloadRow>,
     methods: Vec<MethodText>,
+    /// The page of a stability study beside this one.
+    stress: Option<&'static str>,
 }
 
 /// Columns of the table of variants after the names, with what they mean.
@@ -194,11 +213,15 @@ const COLUMNS: [(&str, &str); 10] = [
 ];
 
 impl Drawn {
-    fn of(records: &Records) -> Result<Self, PageError> {
-        let view = View::new(records);
+    /// Draws figures, and fills them into a page.
+    pub(crate) fn of(
+        view: &View,
+        figures: Vec<figures::Figure>,
+        fill_in: impl FnOnce(Vec<FigureOnPage>) -> Result<String, minijinja::Error>,
+    ) -> Result<Self, PageError> {
         let mut files = Vec::new();
         let mut on_page = Vec::new();
-        for figure in figures::all(&view) {
+        for figure in figures {
             let mut shown = FigureOnPage {
                 name: figure.name,
                 title: figure.title,
@@ -211,7 +234,7 @@ impl Drawn {
                 Err(missing) => shown.missing = Some(missing),
                 Ok(drawing) => {
                     let narrow_name = format!("{}-narrow", figure.name);
-                    let says = format!("{} {}", shown.caption, measured_by(&view));
+                    let says = format!("{} {}", shown.caption, measured_by(view));
                     let draw =
                         |layout, name: &str| draw(&drawing, layout, name, figure.title, &says);
                     let wide = draw(Layout::Wide, figure.name)?;
@@ -224,7 +247,7 @@ impl Drawn {
             }
             on_page.push(shown);
         }
-        let html = fill_in(&view, on_page)?;
+        let html = fill_in(on_page)?;
         Ok(Self { html, files })
     }
 }
@@ -241,10 +264,14 @@ fn measured_by(view: &View) -> String {
     )
 }
 
-fn fill_in(view: &View, figures: Vec<FigureOnPage>) -> Result<String, minijinja::Error> {
+fn fill_in(
+    view: &View,
+    figures: Vec<FigureOnPage>,
+    has_stress: bool,
+) -> Result<String, minijinja::Error> {
     let summary = of_view(view);
     let context = Context {
-        style: format!("{}{}", css(), include_str!("../templates/page.css")),
+        style: style(),
         header: view.header,
         ghz: number(view.header.machine.core_ghz),
         winners: winners(view, &summary),
@@ -256,12 +283,29 @@ fn fill_in(view: &View, figures: Vec<FigureOnPage>) -> Result<String, minijinja:
         agreement: agreement(view),
         workloads: workloads(view),
         methods: methods(view),
+        stress: has_stress.then_some(STRESS_PAGE),
     };
+    render("page.html", context)
+}
+
+/// Fills in one of the templates.
+pub(crate) fn render(template: &str, context: impl Serialize) -> Result<String, minijinja::Error> {
     let mut env = Environment::new();
     env.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
-    env.add_template("page.html", include_str!("../templates/page.html"))?;
-    env.add_template("page.js", include_str!("../templates/page.js"))?;
-    env.get_template("page.html")?.render(Serde(context))
+    for (name, text) in [
+        ("parts.html", include_str!("../templates/parts.html")),
+        ("page.html", include_str!("../templates/page.html")),
+        ("page.js", include_str!("../templates/page.js")),
+        ("stress.html", include_str!("../templates/stress.html")),
+    ] {
+        env.add_template(name, text)?;
+    }
+    env.get_template(template)?.render(Serde(context))
+}
+
+/// The style sheet of all pages.
+pub(crate) fn style() -> String {
+    format!("{}{}", css(), include_str!("../templates/page.css"))
 }
 
 fn winners(view: &View, summary: &Summary) -> Vec<WinnerText> {

@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use trisect_harness::record::{
-    Agreement, Cracks, Decisions, Error, Family, Header, MethodFacts, Preparation, Quantiles,
-    Record, Records, Refusal, Throughput, Variant, Workload,
+    Agreement, ByCondition, Contract, Cracks, Decisions, Error, Family, FusedDifference, Header,
+    Limits, MethodFacts, Preparation, Quantiles, Record, Records, Refusal, SpecialValues,
+    StressFamily, SurfaceCracks, Throughput, Variant, Workload,
 };
 
 use crate::stats::{geometric_mean, median, ns_per_test};
@@ -90,6 +91,13 @@ pub(crate) struct View<'a> {
     pub(crate) agreements: Vec<&'a Agreement>,
     pub(crate) refusals: Vec<&'a Refusal>,
     pub(crate) cracks: Vec<&'a Cracks>,
+    pub(crate) surface_cracks: Vec<&'a SurfaceCracks>,
+    pub(crate) stress: Vec<&'a StressFamily>,
+    pub(crate) by_condition: Vec<&'a ByCondition>,
+    pub(crate) fused_differences: Vec<&'a FusedDifference>,
+    pub(crate) limits: Vec<&'a Limits>,
+    pub(crate) contract: Vec<&'a Contract>,
+    pub(crate) special_values: Vec<&'a SpecialValues>,
 }
 
 impl<'a> View<'a> {
@@ -108,6 +116,13 @@ impl<'a> View<'a> {
             agreements: Vec::new(),
             refusals: Vec::new(),
             cracks: Vec::new(),
+            surface_cracks: Vec::new(),
+            stress: Vec::new(),
+            by_condition: Vec::new(),
+            fused_differences: Vec::new(),
+            limits: Vec::new(),
+            contract: Vec::new(),
+            special_values: Vec::new(),
         };
         for line in &records.lines {
             match line {
@@ -130,6 +145,13 @@ impl<'a> View<'a> {
                 Record::Agreement(a) => view.agreements.push(a),
                 Record::Refusal(r) => view.refusals.push(r),
                 Record::Cracks(c) => view.cracks.push(c),
+                Record::SurfaceCracks(c) => view.surface_cracks.push(c),
+                Record::Stress(s) => view.stress.push(s),
+                Record::ByCondition(b) => view.by_condition.push(b),
+                Record::FusedDifference(d) => view.fused_differences.push(d),
+                Record::Limits(l) => view.limits.push(l),
+                Record::Contract(c) => view.contract.push(c),
+                Record::SpecialValues(s) => view.special_values.push(s),
             }
         }
         view.facts.sort_by(|a, b| a.year.cmp(&b.year).then(a.name.cmp(&b.name)));

@@ -1,0 +1,213 @@
+//! The stability study: what every method does when it gets hard.
+
+mod contract;
+mod cracks;
+mod limits;
+mod pairs;
+
+use rayon::prelude::*;
+use trisect_catalog::{Entry, Finder, Kernels};
+use trisect_core::{Float, Output, Precision};
+use trisect_workloads::Stress;
+
+use crate::Progress;
+use crate::answers::quantiles;
+use crate::record::{Record, Spread, Variant};
+
+use pairs::{TruePair, difference, score};
+
+/// How much is studied; a part with nothing to do is left out.
+pub struct StressSettings {
+    /// Seed of everything.
+    pub seed: u64,
+    /// The methods.
+    pub methods: Vec<&'static Entry>,
+    /// Pairs at each level of each family.
+    pub pairs: usize,
+    /// Pairs that must be right within the limits.
+    pub probes: usize,
+    /// Rays at each place of each closed surface, aimed at edges, and again at vertices.
+    pub crack_rays: usize,
+    /// The same in all for a form that claims to be watertight, at the offsets 0, 10³ and 10⁶.
+    pub watertight_rays: usize,
+    /// Tests of random bits and of other hostile input, over all methods and kernels.
+    pub fuzz: u64,
+}
+
+/// A method's kernels in a precision, chosen by type.
+pub(crate) trait In<E: Precision> {
+    fn kernels(&self) -> &Kernels<E>;
+}
+
+impl In<f32> for Entry {
+    fn kernels(&self) -> &Kernels<f32> {
+        &self.f32
+    }
+}
+
+impl In<f64> for Entry {
+    fn kernels(&self) -> &Kernels<f64> {
+        &self.f64
+    }
+}
+
+/// The finders that compute values of their own: plain arithmetic gives the same bits on every
+/// width, and so does fused, so that the widest of each stands for all.
+fn finders<E: Precision>(kernels: &Kernels<E>) -> Vec<&Finder> {
+    let here: Vec<&Finder> = kernels
+        .finders
+        .iter()
+        .filter(|f| f.variant.lane.instruction_set.is_available() && f.variant.reciprocal == "true")
+        .collect();
+    let widest = |finder: &&Finder| {
+        let like =
+            |other: &&&Finder| other.variant.lane.arithmetic == finder.variant.lane.arithmetic;
+        let width = here.iter().filter(like).map(|other| other.variant.lane.width).max();
+        width == Some(finder.variant.lane.width)
+    };
+    here.iter().copied().filter(widest).collect()
+}
+
+/// The name of a finder's variant in records.
+fn variant(entry: &Entry, finder: &Finder) -> Variant {
+    let asked = if weighs(entry) { Output::Barycentrics } else { Output::T };
+    crate::measure::record_variant(entry.info.name, finder.variant, "one-ray", true, asked.name())
+}
+
+/// The name of a test in flushing arithmetic.
+fn flushing_variant(entry: &Entry, division: &str) -> Variant {
+    let scalar = entry.f32.finders.iter().find(|f| f.variant.lane.width == 1);
+    let scalar = scalar.expect("scalars are compiled for every processor");
+    Variant { division: division.to_owned(), ..variant(entry, scalar) }
+}
+
+/// Whether a method gives barycentrics.
+fn weighs(entry: &Entry) -> bool {
+    entry.info.gives(Output::Barycentrics)
+}
+
+/// Median and largest, to three digits.
+fn spread(values: Vec<f64>) -> Spread {
+    let q = quantiles(values);
+    Spread(three_digits(q.median), three_digits(q.max))
+}
+
+/// The number with three digits, which are all that matter of an error and a quarter of the bytes;
+/// what is beyond f32 is its largest number, as JSON has no infinity.
+fn three_digits(x: f64) -> f32 {
+    format!("{x:.2e}").parse().map_or(f32::MAX, |x: f32| x.min(f32::MAX))
+}
+
+/// The pairs of one level with what is true of them.
+struct Set<E: Float> {
+    family: Stress,
+    level: f64,
+    pairs: Vec<TruePair<E>>,
+}
+
+fn sets<E: Float>(settings: &StressSettings) -> Vec<Set<E>> {
+    let levels: Vec<(Stress, f64)> = Stress::ALL
+        .into_iter()
+        .flat_map(|family| family.levels::<E>().into_iter().map(move |level| (family, level)))
+        .collect();
+    levels
+        .into_par_iter()
+        .map(|(family, level)| {
+            let pairs = family.pairs::<E>(settings.seed, level, settings.pairs);
+            Set { family, level, pairs: pairs.into_iter().map(TruePair::new).collect() }
+        })
+        .collect()
+}
+
+/// Studies the methods, and says what was found as records.
+pub fn stress(settings: &StressSettings, progress: &mut dyn Progress) -> Vec<Record> {
+    let mut lines = Vec::new();
+    if settings.pairs > 0 {
+        lines.extend(hard_pairs(settings, progress));
+    }
+    if settings.probes > 0 {
+        lines.extend(limits::limits(settings, progress));
+    }
+    if settings.crack_rays > 0 {
+        lines.extend(cracks::cracks(settings, progress));
+    }
+    if settings.fuzz > 0 {
+        lines.extend(contract::contract(settings, progress));
+    }
+    lines
+}
+
+/// Every method on every family of pairs.
+fn hard_pairs(settings: &StressSettings, progress: &mut dyn Progress) -> Vec<Record> {
+    progress.phase("stress: asking the oracle", 2);
+    let single = sets::<f32>(settings);
+    progress.step();
+    let double = sets::<f64>(settings);
+    progress.step();
+    // The same numbers in double precision: how far a wider type carries.
+    let widened: Vec<Set<f64>> = single.iter().map(Set::widened).collect();
+
+    progress.phase("stress: pairs", settings.methods.len() as u64);
+    let mut lines = Vec::new();
+    for entry in &settings.methods {
+        lines.extend(family_records(entry, &single, "f32", true));
+        lines.extend(family_records(entry, &double, "f64", true));
+        lines.extend(family_records(entry, &widened, "f32", false));
+        lines.extend(pairs::flushing(entry, &single));
+        progress.step();
+    }
+    lines
+}
+
+impl Set<f32> {
+    fn widened(&self) -> Set<f64> {
+        let Self { family, level, pairs } = self;
+        Set { family: *family, level: *level, pairs: pairs.iter().map(TruePair::widened).collect() }
+    }
+}
+
+/// What one method does on every set, level by level if asked for, and against the condition number.
+fn family_records<E: Precision>(
+    entry: &Entry,
+    sets: &[Set<E>],
+    inputs: &str,
+    by_level: bool,
+) -> Vec<Record>
+where
+    Entry: In<E>,
+{
+    let kernels = In::<E>::kernels(entry);
+    let finders = finders(kernels);
+    // Of each set, per finder, what each pair got.
+    let answers: Vec<Vec<Vec<pairs::Answer>>> = sets
+        .par_iter()
+        .map(|set| {
+            let mut answers = vec![Vec::with_capacity(set.pairs.len()); finders.len()];
+            for pair in &set.pairs {
+                pair.ask(kernels, &finders, |finder, answer| answers[finder].push(answer));
+            }
+            answers
+        })
+        .collect();
+    let mut lines = Vec::new();
+    for (number, finder) in finders.iter().enumerate() {
+        let named = variant(entry, finder);
+        let asked = || sets.iter().zip(answers.iter().map(|of_set| &of_set[number][..]));
+        if finder.variant.lane.arithmetic == "plain" {
+            if by_level {
+                lines.extend(score(&named, weighs(entry), asked(), inputs, false));
+            }
+        } else {
+            let is_twin = |other: &&Finder| {
+                other.variant.lane.arithmetic == "plain"
+                    && other.variant.division == finder.variant.division
+            };
+            let twin = finders.iter().position(is_twin);
+            let twin = twin.expect("what is compiled fused is compiled plain as well");
+            let plain = answers.iter().map(|of_set| &of_set[twin][..]);
+            lines.push(difference(named.clone(), weighs(entry), asked().zip(plain), inputs));
+        }
+        lines.extend(pairs::by_condition(&named, weighs(entry), asked(), inputs));
+    }
+    lines
+}
