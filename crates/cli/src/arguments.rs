@@ -31,6 +31,10 @@ pub(crate) enum Verb {
     Report(Report),
     /// Check every method against the exact oracle
     Verify(Verify),
+    /// Study what every method does in stiff and extreme cases
+    Stress(Stress),
+    /// Trace rays through a mesh in a tree, and say how fast
+    Trace(Trace),
     /// Intersect rays with a mesh
     Query(Query),
     /// Print a completion script for a shell
@@ -156,6 +160,71 @@ pub(crate) struct Verify {
     pub json: bool,
 }
 
+/// Study what every method does in stiff and extreme cases: wrong decisions and errors against the
+/// exact oracle on families of hard pairs, limits, cracks in closed surfaces, hostile input.
+///
+/// Prints a table, and adds the page stress.html and the record stress.jsonl to a report.
+#[derive(Debug, Args)]
+pub(crate) struct Stress {
+    /// Methods, separated by commas; all if left out
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub methods: Vec<String>,
+    /// Seed of every random choice
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Fewer pairs and rays: two minutes instead of fifteen, on two cores
+    #[arg(long)]
+    pub quick: bool,
+    /// Tests of hostile input in all [default: 2e9, or 2e8 with --quick]
+    #[arg(long, value_name = "N", value_parser = count)]
+    pub fuzz: Option<u64>,
+    /// Folder of the report that the page is added to
+    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
+    pub output: PathBuf,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A count, in digits or as `1e9`.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole and in range")]
+fn count(text: &str) -> Result<u64, String> {
+    let asked: f64 = text.parse().map_err(|_| "not a number; give a count, as 1e9".to_owned())?;
+    if asked.fract() == 0.0 && (0.0..=1e15).contains(&asked) {
+        Ok(asked as u64)
+    } else {
+        Err("not a whole number from 0 to 1e15".to_owned())
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Trace {
+    /// Mesh: PLY, OBJ, STL or glTF
+    #[arg(long, value_name = "FILE")]
+    pub mesh: PathBuf,
+    /// Rays: CSV, binary .rays, or - for CSV from standard input
+    #[arg(long, value_name = "FILE")]
+    pub rays: PathBuf,
+    /// A method of `trisect list`
+    #[arg(long, value_name = "NAME", default_value = "moller-trumbore")]
+    pub method: String,
+    /// Any hit instead of the closest
+    #[arg(long)]
+    pub any: bool,
+    /// Threads; all processors if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// How often the rays are traced
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub repeat: u32,
+    /// File for the hits: per ray t (f32, infinite for a miss) and triangle (u32), little-endian
+    #[arg(long, value_name = "FILE")]
+    pub out: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct Query {
     /// Mesh: PLY, OBJ, STL or glTF
@@ -183,6 +252,9 @@ pub(crate) struct Query {
     /// Any hit instead of the closest: print no more than whether there is one
     #[arg(long)]
     pub any: bool,
+    /// Test every triangle instead of those that a tree leaves; f64 and --division always do
+    #[arg(long)]
+    pub brute_force: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

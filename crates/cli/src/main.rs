@@ -8,7 +8,9 @@ mod output;
 mod progress;
 mod query;
 mod records;
+mod stress;
 mod tasks;
+mod trace;
 mod verify;
 
 use std::process::ExitCode;
@@ -42,6 +44,8 @@ fn main() -> ExitCode {
         Some(Verb::Cmp(arguments)) => records::compare(&arguments),
         Some(Verb::Report(arguments)) => records::report(&arguments),
         Some(Verb::Verify(arguments)) => verify::run(&arguments),
+        Some(Verb::Stress(arguments)) => stress::run(&arguments),
+        Some(Verb::Trace(arguments)) => trace::run(&arguments),
         Some(Verb::Query(arguments)) => query::run(&arguments),
         Some(Verb::Completions { shell }) => output::print(|out| {
             // Into memory first: the generator panics where it cannot write.

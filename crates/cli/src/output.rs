@@ -8,13 +8,17 @@ use anyhow::{Context as _, Result, anyhow, bail};
 
 /// Refuses a folder that cannot be written, before any work is done for it.
 pub(crate) fn check_folder(folder: &Path) -> Result<()> {
+    check_folder_for(folder, "--output")
+}
+
+fn check_folder_for(folder: &Path, option: &str) -> Result<()> {
     fs::create_dir_all(folder)
         .and_then(|()| tempfile::Builder::new().prefix(".trisect-").tempfile_in(folder))
         .map(drop)
         .map_err(|error| {
             let folder = folder.display();
             anyhow!(
-                "{folder}: cannot write to this folder ({error}); name another with --output",
+                "{folder}: cannot write to this folder ({error}); name another with {option}",
                 error = without_path(&error)
             )
         })
@@ -22,10 +26,15 @@ pub(crate) fn check_folder(folder: &Path) -> Result<()> {
 
 /// Refuses a place that a file cannot be written to, before any work is done for it.
 pub(crate) fn check_file(file: &Path) -> Result<()> {
+    check_file_for(file, "--output")
+}
+
+/// The same of a file that another option names.
+pub(crate) fn check_file_for(file: &Path, option: &str) -> Result<()> {
     if file.is_dir() {
-        bail!("{}: is a folder; name a file with --output", file.display());
+        bail!("{}: is a folder; name a file with {option}", file.display());
     }
-    check_folder(folder_of(file))
+    check_folder_for(folder_of(file), option)
 }
 
 /// What the system said, without the temporary file's name that was tried.

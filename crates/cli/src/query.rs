@@ -5,8 +5,10 @@ use std::io::{self, Write};
 use anyhow::{Result, anyhow, bail};
 use rayon::prelude::*;
 use serde::Serialize;
-use trisect_catalog::{Entry, Finder, Kernels, Lane};
-use trisect_core::{Culling, Hit, Output, Precision, Ray, Scalar as _, Triangle, Vec3};
+use trisect_catalog::{Entry, Finder, Kernels, Lane, Tracing, TriangleHit};
+use trisect_core::{
+    Culling, Hit, Output, Precision, Ray, Scalar as _, Triangle, UnsuitableMesh, Vec3,
+};
 use trisect_oracle::{Exact, Oracle};
 
 use crate::arguments::{self, Query};
@@ -52,10 +54,18 @@ enum Line<E> {
 pub(crate) fn run(arguments: &Query) -> Result<()> {
     match arguments.precision {
         arguments::Precision::F32 => {
-            answer(arguments, |entry| &entry.f32, |file| file.rays_f32, |triangle| triangle)
+            // The tree decides as the form does that decides without quotients.
+            let in_tree = !arguments.brute_force && arguments.division.is_none();
+            answer(
+                arguments,
+                |entry| &entry.f32,
+                |file| file.rays_f32,
+                |triangle| triangle,
+                in_tree.then_some(in_tree_of),
+            )
         }
         arguments::Precision::F64 => {
-            answer(arguments, |entry| &entry.f64, |file| file.rays, Triangle::from)
+            answer(arguments, |entry| &entry.f64, |file| file.rays, Triangle::from, None)
         }
     }
 }
@@ -65,6 +75,7 @@ fn answer<E: Precision + Serialize>(
     kernels: impl Fn(&'static Entry) -> &'static Kernels<E>,
     rays: impl Fn(trisect_workloads::RaysFile) -> Vec<Ray<E>>,
     triangle: impl Fn(Triangle<f32>) -> Triangle<E>,
+    tree: Option<InTree<E>>,
 ) -> Result<()> {
     // What is typed is checked before what is read.
     let finder = if arguments.method == ORACLE {
@@ -80,6 +91,10 @@ fn answer<E: Precision + Serialize>(
     let culling = arguments.cull.into();
     let answers = match finder {
         None => truth(&rays, &triangles, culling, arguments.any),
+        Some((entry, ..)) if let Some(tree) = tree => {
+            tree(entry, arguments, &rays, &triangles, culling)
+                .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.mesh.display()))?
+        }
         Some((entry, kernels, finder)) => {
             let weighs = entry.info.gives(Output::Barycentrics);
             let scene = (kernels.prepare)(&triangles, &rays)
@@ -99,6 +114,41 @@ fn answer<E: Precision + Serialize>(
         }
         Ok(())
     })
+}
+
+/// Answers from a tree.
+type InTree<E> = fn(
+    &Entry,
+    &Query,
+    &[Ray<E>],
+    &[Triangle<E>],
+    Culling,
+) -> Result<Vec<Answer<E>>, UnsuitableMesh>;
+
+fn in_tree_of(
+    entry: &Entry,
+    arguments: &Query,
+    rays: &[Ray<f32>],
+    triangles: &[Triangle<f32>],
+    culling: Culling,
+) -> Result<Vec<Answer<f32>>, UnsuitableMesh> {
+    let tree = (entry.tree)(triangles)?;
+    if arguments.any {
+        let mut any = vec![false; rays.len()];
+        tree.any(Tracing::Plain, culling, rays, &mut any);
+        return Ok(any
+            .into_iter()
+            .map(|hit| if hit { Answer::Any } else { Answer::Miss })
+            .collect());
+    }
+    let weighs = entry.info.gives(Output::Barycentrics);
+    let mut found = vec![None; rays.len()];
+    tree.closest(Tracing::Plain, culling, rays, &mut found);
+    let widen = |TriangleHit { triangle, hit: Hit { t, beta, gamma } }| {
+        let [t, beta, gamma] = [t, beta, gamma].map(f64::from);
+        (triangle, Hit { t, beta, gamma })
+    };
+    Ok(found.into_iter().map(|found| Answer::widened(found.map(widen), weighs)).collect())
 }
 
 /// The finder of the width and division asked for.

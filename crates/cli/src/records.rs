@@ -65,6 +65,9 @@ pub(crate) fn report(arguments: &Report) -> Result<()> {
         return splice(&records, &arguments.splice);
     }
     output::check_folder(&arguments.output)?;
+    if records.lines.iter().any(|line| matches!(line, Record::Stress(_))) {
+        return publish_stress(&records, &arguments.output, arguments.json);
+    }
     publish(&records, &arguments.output, arguments.json)
 }
 
@@ -91,6 +94,21 @@ pub(crate) fn publish(records: &Records, folder: &Path, json: bool) -> Result<()
     let page = trisect_report::write_page(records, folder)
         .with_context(|| format!("{}: cannot write the page", folder.display()))?;
     let summary = trisect_report::summary(records);
+    show(&summary, &summary.to_text(COLUMNS), json)?;
+    eprintln!("\npage    {}", page.index.display());
+    Ok(())
+}
+
+/// Adds the page of the stability study to a report and prints its summary.
+pub(crate) fn publish_stress(records: &Records, folder: &Path, json: bool) -> Result<()> {
+    let cannot_write = || format!("{}: cannot write the page", folder.display());
+    let page = trisect_report::write_stress_page(records, folder).with_context(cannot_write)?;
+    // The page of a comparison that is there leads to the new one from now on.
+    let comparison = folder.join("record.jsonl");
+    if comparison.exists() {
+        trisect_report::write_page(&read(&comparison)?, folder).with_context(cannot_write)?;
+    }
+    let summary = trisect_report::stress_summary(records);
     show(&summary, &summary.to_text(COLUMNS), json)?;
     eprintln!("\npage    {}", page.index.display());
     Ok(())

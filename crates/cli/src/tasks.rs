@@ -171,7 +171,7 @@ pub(crate) fn verification(
     workloads.map(|workload| task(workload, Family::Mesh, 0)).collect()
 }
 
-fn task(workload: Workload, family: Family, timed_rays: usize) -> Task {
+pub(crate) fn task(workload: Workload, family: Family, timed_rays: usize) -> Task {
     let Workload { name, description, rays, triangles } = workload;
     Task { name, description, family, rays, triangles: triangles.to_vec(), timed_rays }
 }

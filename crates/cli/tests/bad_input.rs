@@ -4,6 +4,7 @@
 mod common;
 
 use common::{CSV, Folder, OBJ};
+use trisect_harness::record::SCHEMA;
 
 /// A command that must be refused.
 struct Case {
@@ -257,6 +258,27 @@ fn arguments() {
             "measure --output rays.csv/record.jsonl",
             "rays.csv: cannot write to this folder (…); name another with --output",
         ),
+        case(
+            "trace --mesh mesh.obj --rays rays.csv --method embree",
+            "unknown method `embree`; `trisect list` shows what there is",
+        ),
+        case(
+            "trace --mesh mesh.obj --rays rays.csv --out folder",
+            "folder: is a folder; name a file with --out",
+        )
+        .file("folder/something", ""),
+        case(
+            "trace --mesh mesh.obj --rays rays.csv --out rays.csv/hits",
+            "rays.csv: cannot write to this folder (…); name another with --out",
+        ),
+        case(
+            "stress --quick --methods embree",
+            "unknown method `embree`; `trisect list` shows what there is",
+        ),
+        case(
+            "stress --quick --methods wald --output rays.csv",
+            "rays.csv: cannot write to this folder (…); name another with --output",
+        ),
         case("measure --output folder", "folder: is a folder; name a file with --output")
             .file("folder/something", ""),
     ]);
@@ -273,6 +295,11 @@ fn clap_refuses_what_it_does_not_know() {
         (query.to_owned(), "--method <NAME>"),
         ("measure --rounds 0".to_owned(), "'--rounds <N>'"),
         ("measure --seed -1".to_owned(), "'-1'"),
+        ("trace --mesh mesh.obj --rays rays.csv --threads 0".to_owned(), "'--threads <N>'"),
+        ("trace --mesh mesh.obj --rays rays.csv --repeat 0".to_owned(), "'--repeat <N>'"),
+        ("stress --fuzz 1.5".to_owned(), "not a whole number from 0 to 1e15"),
+        ("stress --fuzz many".to_owned(), "not a number; give a count, as 1e9"),
+        ("stress --fuzz -1".to_owned(), "'-1'"),
         ("verify --rays rays.csv".to_owned(), "--mesh <FILE>"),
         ("rank record.jsonl --needs everything".to_owned(), "'--needs <NEEDS>'"),
         ("--rounds 1 list".to_owned(), "list"),
@@ -330,7 +357,8 @@ fn records() {
     assert_eq!(sound.code, Some(0), "{}", sound.stderr);
     let sound = sound.stdout;
     let (header, rest) = sound.split_once('\n').expect("a record has lines");
-    let other = sound.replacen("\"schema\":2", "\"schema\":3", 1);
+    let schema = |version: u32| format!("\"schema\":{version}");
+    let other = sound.replacen(&schema(SCHEMA), &schema(SCHEMA + 1), 1);
     assert_ne!(other, sound, "the header names its schema");
     let cut = &sound[..header.len() + 30];
     let damaged = [
@@ -342,7 +370,7 @@ fn records() {
         (rest, "line 1 is not a record header; make a record with `trisect measure --output FILE`"),
         (
             other.as_str(),
-            "line 1: the record has schema 3, this trisect reads schema 2; measure again with \
+            "line 1: the record has schema 4, this trisect reads schema 3; measure again with \
              this version",
         ),
         (cut, "line 2: …; the file is damaged, measure again"),

@@ -30,6 +30,43 @@ fn csv_binary_and_standard_input_give_the_same_answers() {
 }
 
 #[test]
+fn a_tree_answers_as_testing_every_triangle_does() {
+    let folder = Folder::new();
+    for options in ["", " --any", " --cull back", " --cull front"] {
+        let in_tree = folder.trisect(&format!("{QUERY} rays.csv{options}"), b"");
+        let all = folder.trisect(&format!("{QUERY} rays.csv --brute-force{options}"), b"");
+        assert_eq!((in_tree.code, in_tree.stdout), (all.code, all.stdout), "{options}");
+    }
+}
+
+#[test]
+fn rays_are_traced_and_their_hits_are_written() {
+    let folder = Folder::new();
+    let trace = "trace --mesh mesh.obj --rays rays.csv --threads 1 --repeat 3";
+    let run = folder.trisect(&format!("{trace} --json --out hits"), b"");
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let report: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
+    assert_eq!(
+        (&report["hits"], &report["rays"], &report["sum_t"]),
+        (&1.into(), &2.into(), &3.0.into())
+    );
+    assert_eq!((&report["threads"], &report["triangles"]), (&1.into(), &2.into()));
+    assert_eq!(report["samples_ns"].as_array().map(Vec::len), Some(3));
+    // t and triangle of the hit; infinity and no triangle for the miss.
+    let mut expected = Vec::new();
+    expected.extend(3.0_f32.to_le_bytes());
+    expected.extend(0_u32.to_le_bytes());
+    expected.extend(f32::INFINITY.to_le_bytes());
+    expected.extend(u32::MAX.to_le_bytes());
+    assert_eq!(fs::read(folder.path().join("hits")).expect("just written"), expected);
+
+    let any = folder.trisect(&format!("{trace} --any"), b"");
+    assert_eq!((any.code, any.stderr.as_str()), (Some(0), ""));
+    assert!(any.stdout.contains("hits   1 of 2 rays"), "{}", any.stdout);
+    assert!(any.stdout.lines().all(|line| line.chars().count() <= 80), "{}", any.stdout);
+}
+
+#[test]
 fn no_rays_have_no_answers() {
     let folder = Folder::new();
     folder.write("none.rays", &[0; 4]);
@@ -169,6 +206,36 @@ fn a_measurement_becomes_a_record_a_ranking_a_comparison_and_a_page() {
     let report = folder.trisect("report made/record.jsonl", b"");
     assert_eq!(report.code, Some(0), "{}", report.stderr);
     is_a_page(&folder, "reports/latest");
+}
+
+/// One test, as the study is what takes its time.
+#[test]
+fn a_study_adds_its_page_and_its_record_to_a_report() {
+    let folder = Folder::new();
+    let report = "--methods moller-trumbore --rounds 1 --mesh mesh.obj --output here";
+    assert_eq!(folder.trisect(report, b"").code, Some(0));
+    let index = || fs::read_to_string(folder.path().join("here/index.html")).expect("it is there");
+    assert!(!index().contains("stress.html"));
+
+    let study = "stress --quick --methods watertight --fuzz 1e6 --output here";
+    let run = folder.trisect(study, b"");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let written = ["page    here/stress.html", "record  here/stress.jsonl"];
+    assert_eq!(run.stderr.trim().lines().collect::<Vec<_>>(), written);
+    assert!(run.stdout.contains("\nwatertight "), "{}", run.stdout);
+    assert!(run.stdout.contains(" tests of hostile input over all kernels, 0 violations."));
+    assert!(run.stdout.lines().all(|line| line.chars().count() <= 80), "{}", run.stdout);
+    assert!(index().contains("<a href=\"stress.html\">"), "the comparison leads to the study");
+
+    // The page of the record is the same, and its summary can be read by a program.
+    let page = fs::read(folder.path().join("here/stress.html")).expect("it is there");
+    let again = folder.trisect("report here/stress.jsonl --json --output here", b"");
+    assert_eq!((again.code, again.stderr.trim()), (Some(0), "page    here/stress.html"));
+    assert_eq!(fs::read(folder.path().join("here/stress.html")).expect("it is there"), page);
+    let summary: serde_json::Value = serde_json::from_str(&again.stdout).expect("JSON");
+    assert_eq!(summary["contract_violations"], 0);
+    assert_eq!(summary["rows"][0]["method"], "watertight");
+    assert_eq!(summary["rows"][0]["edge_cracks"], 0.0);
 }
 
 #[test]

@@ -23,15 +23,20 @@ fn documents_show_what_trisect_prints() {
 #[test]
 fn documents_are_spliced_from_their_record() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let record = root.join("reports/2026-11-24-zen4/record.jsonl");
-    let record = std::fs::File::open(record).expect("the record that the documents name");
-    let records = Records::read(std::io::BufReader::new(record)).expect("a sound record");
-    for document in ["README.md", "docs/HAVEL.md"] {
-        let text = std::fs::read_to_string(root.join(document)).expect("a document");
-        let spliced = trisect_report::splice(&text, &records).expect("there are markers");
-        assert!(
-            spliced == text,
-            "{document} is out of date: splice it anew with the command that it names"
-        );
+    let folder = root.join("reports/2026-11-24-zen4");
+    for (record, documents) in [
+        ("record.jsonl", ["README.md", "docs/HAVEL.md"]),
+        ("stress.jsonl", ["docs/STABILITY.md", "docs/CONTRACT.md"]),
+    ] {
+        let file = std::fs::File::open(folder.join(record)).expect("the documents name it");
+        let records = Records::read(std::io::BufReader::new(file)).expect("a sound record");
+        for document in documents {
+            let text = std::fs::read_to_string(root.join(document)).expect("a document");
+            let spliced = trisect_report::splice(&text, &records).expect("there are markers");
+            assert!(
+                spliced == text,
+                "{document} is out of date: splice it anew with the command that it names"
+            );
+        }
     }
 }
