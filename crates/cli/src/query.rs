@@ -101,7 +101,7 @@ fn answer<E: Precision + Serialize>(
                 .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.mesh.display()))?;
             if arguments.any {
                 let any = finder.any(&scene, culling, rays.len());
-                any.into_iter().map(|hit| if hit { Answer::Any } else { Answer::Miss }).collect()
+                any.into_iter().map(Answer::any).collect()
             } else {
                 let closest = finder.closest(&scene, culling, rays.len());
                 closest.into_iter().map(|closest| Answer::widened(closest, weighs)).collect()
@@ -136,10 +136,7 @@ fn in_tree_of(
     if arguments.any {
         let mut any = vec![false; rays.len()];
         tree.any(Tracing::Plain, culling, rays, &mut any);
-        return Ok(any
-            .into_iter()
-            .map(|hit| if hit { Answer::Any } else { Answer::Miss })
-            .collect());
+        return Ok(any.into_iter().map(Answer::any).collect());
     }
     let weighs = entry.info.gives(Output::Barycentrics);
     let mut found = vec![None; rays.len()];
@@ -201,7 +198,7 @@ fn truth<E: Precision>(
             oracle.classify(ray, triangle).is_hit() && is_seen(ray, triangle, culling)
         });
         if any {
-            return if seen.next().is_some() { Answer::Any } else { Answer::Miss };
+            return Answer::any(seen.next().is_some());
         }
         let (numbers, seen): (Vec<u32>, Vec<Triangle<E>>) = seen.unzip();
         match oracle.closest(ray, &seen).into() {
@@ -230,6 +227,11 @@ fn is_seen<E: Precision>(ray: &Ray<E>, triangle: &Triangle<E>, culling: Culling)
 }
 
 impl<E: Precision> Answer<E> {
+    /// Of whether there is a hit.
+    fn any(hit: bool) -> Self {
+        if hit { Self::Any } else { Self::Miss }
+    }
+
     /// From a finder, whose numbers were widened exactly.
     fn widened(closest: Option<(u32, Hit<f64>)>, weighs: bool) -> Self {
         closest.map_or(Self::Miss, |(number, Hit { t, beta, gamma })| {

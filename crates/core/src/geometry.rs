@@ -1,6 +1,6 @@
 //! Rays, triangles and hits: plain data over any number type.
 
-use crate::lanes::Scalar;
+use crate::lanes::{Float, Scalar};
 use crate::number::Number;
 
 /// Three coordinates.
@@ -217,17 +217,11 @@ impl<X: Number> Ray<X> {
     }
 }
 
-impl Ray<f32> {
+impl<X: Float> Ray<X> {
     /// The ray from `o` along `d` with `t` in `[0, ∞]`.
-    pub fn new(o: impl Into<Vec3<f32>>, d: impl Into<Vec3<f32>>) -> Self {
-        Self { o: o.into(), d: d.into(), tmin: 0.0, tmax: f32::INFINITY }
-    }
-}
-
-impl Ray<f64> {
-    /// The ray from `o` along `d` with `t` in `[0, ∞]`.
-    pub fn new(o: impl Into<Vec3<f64>>, d: impl Into<Vec3<f64>>) -> Self {
-        Self { o: o.into(), d: d.into(), tmin: 0.0, tmax: f64::INFINITY }
+    pub fn new(o: impl Into<Vec3<X>>, d: impl Into<Vec3<X>>) -> Self {
+        let (tmin, tmax) = (X::from_f64(0.0), X::from_f64(f64::INFINITY));
+        Self { o: o.into(), d: d.into(), tmin, tmax }
     }
 }
 
@@ -290,15 +284,21 @@ impl<X: Scalar> Triangle<X> {
         X::are_collinear(self)
     }
 
-    /// The triangle as methods get to see it: NaN all over where it is degenerate or not finite, so
-    /// that nothing computed from it hits, however it rounds.
+    /// Whether anything can hit it: it is finite and has an area.
     #[allow(clippy::eq_op, reason = "x − x is NaN where x is not finite")]
+    #[inline(always)]
+    pub fn can_be_hit(&self) -> bool {
+        let Self { a, b, c } = *self;
+        let nothing = ((a - a) + (b - b) + (c - c)).sum();
+        nothing == X::from_f64(0.0) && !self.is_degenerate()
+    }
+
+    /// The triangle as methods get to see it: NaN all over where nothing can hit it, so that nothing
+    /// computed from it does, however it rounds.
     #[inline(always)]
     #[must_use]
     pub(crate) fn or_nothing(&self) -> Self {
-        let Self { a, b, c } = *self;
-        let nothing = ((a - a) + (b - b) + (c - c)).sum();
-        if nothing == X::from_f64(0.0) && !self.is_degenerate() { *self } else { Self::nothing() }
+        if self.can_be_hit() { *self } else { Self::nothing() }
     }
 
     /// A triangle that nothing hits: it fills up blocks.

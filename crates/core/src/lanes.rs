@@ -168,6 +168,11 @@ pub trait Float: Scalar + SimdFloatElement {
     fn bits64(self) -> u64;
     /// The number with these bits; those beyond its own are dropped.
     fn from_bits64(bits: u64) -> Self;
+    /// The number whose bits are the uppermost of these: a random one, of 64 random bits.
+    #[inline(always)]
+    fn from_upper_bits(bits: u64) -> Self {
+        Self::from_bits64(bits >> (64 - 8 * size_of::<Self>()))
+    }
 }
 
 /// Implements [`Number`] and [`Lanes`] for a number of width 1 with operators and `PartialOrd`:

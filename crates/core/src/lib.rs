@@ -43,7 +43,7 @@ pub use planes::{Functions, MappedRay, PlaneFirst, Slopes, ThreePlanes};
 pub use prepared::{
     BLOCK, Common, PADDING, Packets, PreparedTriangles, UnsuitableMesh, common_projection_axis,
 };
-pub use record::{Of, Record, Value, field};
+pub use record::{Of, Record, Value, field, rows};
 pub use single::{PreparedPair, intersect, intersect_with};
 pub use tier::{InstructionSet, LanesVisitor, Precision, Token};
 pub use weights::{Alpha, Given, Implied};

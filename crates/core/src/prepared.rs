@@ -8,7 +8,7 @@ use core::ops::Range;
 use crate::geometry::{Ray, Triangle, Vec3};
 use crate::lanes::{Lanes, Scalar};
 use crate::method::Method;
-use crate::record::{Of, Record, Value};
+use crate::record::{Of, Record, Value, rows};
 
 /// Triangles in a block and rays in a packet.
 pub const BLOCK: usize = 16;
@@ -112,16 +112,15 @@ impl<M: Method, E: Scalar> PreparedTriangles<M, E> {
             let start = prepared.blocks.len();
             for chunk in members.chunks(BLOCK) {
                 let padding = M::prepare(&Triangle::nothing(), group);
-                let mut block = M::Prepared::map(&padding, |&x| [x; BLOCK]);
+                let first = prepared.singles.len();
                 for lane in 0..BLOCK {
-                    let single = chunk.get(lane).map_or(padding, |&i| {
+                    prepared.singles.push(chunk.get(lane).map_or(padding, |&i| {
                         M::prepare(&triangles[i as usize].or_nothing(), group)
-                    });
-                    M::Prepared::zip(&mut block, &single, |row, &x| row[lane] = x);
-                    prepared.singles.push(single);
+                    }));
                     prepared.numbers.push(chunk.get(lane).copied().unwrap_or(PADDING));
                 }
-                prepared.blocks.push(Block(block));
+                let singles = &prepared.singles[first..];
+                prepared.blocks.push(Block(rows::<M::Prepared, E, BLOCK>(|lane| singles[lane])));
             }
             let start = start * BLOCK;
             prepared.groups.push(start..start + members.len());

@@ -23,6 +23,18 @@ pub trait Record: 'static {
     fn with_axis_last<X: Value>(from: &Self::Of<X>, w: usize) -> Self::Of<X>;
 }
 
+/// The records of `N` lanes, number by number: each number of the lanes side by side.
+#[inline(always)]
+pub fn rows<R: Record, X: Value, const N: usize>(
+    of_lane: impl Fn(usize) -> R::Of<X>,
+) -> R::Of<[X; N]> {
+    let mut rows = R::map(&of_lane(0), |&x| [x; N]);
+    for lane in 1..N {
+        R::zip(&mut rows, &of_lane(lane), |row, &x| row[lane] = x);
+    }
+    rows
+}
+
 /// Nothing stored.
 impl Record for () {
     type Of<X: Value> = ();

@@ -459,7 +459,8 @@ impl From<Errors> for [Spread; 4] {
 }
 
 /// The errors of a variant in one number against its condition number, over all families but those
-/// about the range of numbers: those of `t` and their condition number relative to `t`, those of the weights as they are.
+/// about the range of numbers: those of `t` and their condition number relative to `t`, those of the
+/// weights as they are.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ByCondition {
     /// The variant.
@@ -490,7 +491,7 @@ pub struct Bin {
     pub over_condition: Spread,
 }
 
-/// What fused multiply-add changes, over all families.
+/// What fused multiply-add changes, over all families but those about the range of numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FusedDifference {
     /// The fused variant; it is compared with the plain one of the same division.

@@ -1,7 +1,7 @@
 //! The wide tree as it is traversed: nodes of eight children, leaves of blocks of eight triangles.
 
 use rayon::prelude::*;
-use trisect_core::{Method, Of, Record, Triangle, UnsuitableMesh};
+use trisect_core::{Method, Of, Triangle, UnsuitableMesh, rows};
 
 use crate::binary::{self, Binary, Reference};
 use crate::bounds::Bounds;
@@ -112,7 +112,7 @@ impl<M: Method> Bvh<M> {
             .zip(triangles)
             .collect::<Vec<_>>()
             .into_par_iter()
-            .filter(|(_, triangle)| can_be_hit(triangle))
+            .filter(|(_, triangle)| triangle.can_be_hit())
             .map(|(number, triangle)| Reference {
                 bounds: Bounds::of_triangle(triangle),
                 triangle: number,
@@ -171,14 +171,6 @@ impl<M: Method> Bvh<M> {
             cost,
         }
     }
-}
-
-/// Whether a triangle is finite and has an area.
-fn can_be_hit(triangle: &Triangle<f32>) -> bool {
-    let [a, b, c] = triangle.corners();
-    (a + b + c).map(|x| x * 0.0).sum() == 0.0
-        && [a, b, c].iter().all(|v| v.to_array().iter().all(|x| x.is_finite()))
-        && !triangle.is_degenerate()
 }
 
 /// Writes the wide tree.
@@ -251,14 +243,11 @@ impl<M: Method> Emit<'_, M> {
     /// Up to eight triangles of one kind; the last one fills up the block.
     fn block(&self, members: &[(usize, u32)]) -> Block<M> {
         let group = members[0].0;
-        let prepare = |number: u32| M::prepare(&self.triangles[number as usize], group);
-        let mut prepared = M::Prepared::map(&prepare(members[0].1), |&x| [x; WIDTH]);
-        let mut triangles = [members[0].1; WIDTH];
-        for lane in 0..WIDTH {
-            let (_, number) = members[lane.min(members.len() - 1)];
-            M::Prepared::zip(&mut prepared, &prepare(number), |row, &x| row[lane] = x);
-            triangles[lane] = number;
-        }
+        let number = |lane: usize| members[lane.min(members.len() - 1)].1;
+        let triangles = std::array::from_fn(number);
+        let prepared = rows::<M::Prepared, f32, WIDTH>(|lane| {
+            M::prepare(&self.triangles[number(lane) as usize], group)
+        });
         Block { prepared, triangles, group: u32::try_from(group).expect("kinds are few") }
     }
 }

@@ -265,7 +265,7 @@ impl Stress {
         let towards = towards.map(|x| if largest > 0.0 { x / largest } else { x });
         let reach = towards.dot(towards).sqrt().max(1.0);
         let d = towards.map(|x| E::from_f64(x * (length / reach)));
-        let ray = Ray { o, d, tmin: E::from_f64(0.0), tmax: E::from_f64(f64::INFINITY) };
+        let ray = Ray::<E>::new(o, d);
         if self == Self::IntervalEnd {
             return (ends_near(&ray, &triangle, &base, level), triangle);
         }
@@ -448,17 +448,13 @@ fn on_a_lattice<E: Float>(stream: &mut Stream, zeros: f64) -> Pair<E> {
     let d = Vec3::from(d).with_axis_last(axis);
     let o = point - d;
     let [a, b, c, o, d] = [a, b, c, o, d].map(|v| v.map(E::from_f64));
-    let ray = Ray { o, d, tmin: E::from_f64(0.0), tmax: E::from_f64(f64::INFINITY) };
+    let ray = Ray::<E>::new(o, d);
     (ray, Triangle { a, b, c })
 }
 
 /// Any bits; half of the rays aimed at a point of the triangle.
 fn random_bits<E: Float>(stream: &mut Stream) -> Pair<E> {
-    let mut number = || {
-        let bits = stream.bits();
-        // Of f32 the upper half of the draw.
-        E::from_bits64(bits >> (64 - 8 * size_of::<E>()))
-    };
+    let mut number = || E::from_upper_bits(stream.bits());
     let mut vector = || Vec3::new(number(), number(), number());
     let (o, d, a, b, c) = (vector(), vector(), vector(), vector(), vector());
     let (tmin, tmax) = (number(), number());
@@ -466,12 +462,7 @@ fn random_bits<E: Float>(stream: &mut Stream) -> Pair<E> {
     let aimed = stream.unit_f64() < 0.5;
     let third = E::from_f64(1.0 / 3.0);
     let d = if aimed { a.scale(third) + (b.scale(third) + c.scale(third)) - o } else { d };
-    let zero = E::from_f64(0.0);
-    let ray = if open {
-        Ray { o, d, tmin: zero, tmax: E::from_f64(f64::INFINITY) }
-    } else {
-        Ray { o, d, tmin, tmax }
-    };
+    let ray = if open { Ray::<E>::new(o, d) } else { Ray { o, d, tmin, tmax } };
     (ray, Triangle { a, b, c })
 }
 

@@ -143,7 +143,7 @@ impl Surface {
             .map(|_| {
                 let target = (to - from).mul_add(stream.unit_f64(), from).map(E::from_f64);
                 let o = self.start::<E>(placement, &mut stream);
-                self.ray(o, target - o)
+                Ray::<E>::new(o, target - o)
             })
             .collect()
     }
@@ -155,14 +155,9 @@ impl Surface {
             .map(|_| {
                 let o = self.start::<E>(placement, &mut stream);
                 let d = stream.sphere();
-                self.ray(o, d.map(|x| E::from_f64(f64::from(x))))
+                Ray::<E>::new(o, d.map(|x| E::from_f64(f64::from(x))))
             })
             .collect()
-    }
-
-    #[allow(clippy::unused_self, reason = "a ray of this surface")]
-    fn ray<E: Float>(&self, o: Vec3<E>, d: Vec3<E>) -> Ray<E> {
-        Ray { o, d, tmin: E::from_f64(0.0), tmax: E::from_f64(f64::INFINITY) }
     }
 
     /// A sphere of radius 2 and 20·4^`subdivisions` triangles: an icosahedron whose faces are divided

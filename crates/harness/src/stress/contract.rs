@@ -200,7 +200,7 @@ fn same_decisions<E: Precision>(
 
 /// Numbers of all kinds: any bits, powers of two over the whole range, and the ends of it.
 fn hostile<E: Float>(random: &mut Pcg64) -> E {
-    let bits = random.next_u64() >> (64 - 8 * size_of::<E>());
+    let bits = E::from_upper_bits(random.next_u64()).bits64();
     match random.random_range(0..8_u8) {
         0..=2 => E::from_bits64(bits),
         // The exponent of any bits, with nothing behind it.

@@ -57,7 +57,7 @@ const NEEDS: [Need; 7] = [
         says: "no ray through a closed mesh, wherever that is",
         keep: |_, row| row.is_tight(),
         guarantee: |study, _, variant| {
-            let (rays, through) = study.aimed(variant);
+            let (rays, through) = study.aimed(variant, is_full_size);
             format!("{} of {} aimed rays pass through", grouped(through), grouped(rays))
         },
     },
@@ -128,6 +128,11 @@ impl StressRow {
     }
 }
 
+/// Whether a surface has the size that it was made in.
+fn is_full_size(site: &Site) -> bool {
+    site.scale == 1.0
+}
+
 struct Study<'a, 'b> {
     view: &'b View<'a>,
     summary: StressSummary,
@@ -154,7 +159,7 @@ impl Study<'_, '_> {
 
     /// Whether no ray passed through anything in the arithmetic and division of a variant.
     fn is_tight(&self, variant: &Variant) -> bool {
-        let (rays, through) = self.aimed(variant);
+        let (rays, through) = self.aimed(variant, is_full_size);
         rays > 0 && through == 0
     }
 
@@ -204,22 +209,17 @@ impl Study<'_, '_> {
         text
     }
 
-    /// Rays aimed at edges and corners at full size, in the arithmetic and division of a variant, and
-    /// those that pass through.
-    fn aimed(&self, variant: &Variant) -> (u64, u64) {
-        let sites = self.cracks_of(variant).filter(|site| site.scale == 1.0);
-        sites.fold((0, 0), |sum, site| (sum.0 + site.rays as u64, sum.1 + site.no_hit as u64))
-    }
-
-    /// What rays aimed at closed surfaces met, in the arithmetic and division of a variant.
-    fn cracks_of(&self, variant: &Variant) -> impl Iterator<Item = &Site> {
-        let alike = self.view.surface_cracks.iter().filter(move |c| {
+    /// Rays aimed at edges and corners of the surfaces that `keep` lets pass, in the arithmetic and
+    /// division of a variant, and those that pass through.
+    fn aimed(&self, variant: &Variant, keep: impl Fn(&Site) -> bool) -> (u64, u64) {
+        let alike = self.view.surface_cracks.iter().filter(|c| {
             c.variant.method == variant.method
                 && c.variant.precision == variant.precision
                 && c.variant.arithmetic == variant.arithmetic
                 && c.variant.division == variant.division
         });
-        alike.flat_map(|c| &c.sites)
+        let sites = alike.flat_map(|c| &c.sites).filter(|site| keep(site));
+        sites.fold((0, 0), |sum, site| (sum.0 + site.rays as u64, sum.1 + site.no_hit as u64))
     }
 
     fn names(&self, keep: impl Fn(&StressRow) -> bool) -> String {
@@ -400,24 +400,23 @@ impl Study<'_, '_> {
     }
 
     fn fused(&self) -> String {
-        let edges = |arithmetic: &str, method: &str| {
-            let mine = self.view.surface_cracks.iter().find(|c| {
-                c.variant.method == method
-                    && c.variant.precision == "f32"
-                    && c.variant.division == division(self.view, method)
-                    && c.variant.arithmetic == arithmetic
+        let cracks = |arithmetic: &str, method: &str| {
+            let alike = self.view.surface_cracks.iter().map(|c| &c.variant).find(|v| {
+                v.method == method
+                    && v.precision == "f32"
+                    && v.division == division(self.view, method)
+                    && v.arithmetic == arithmetic
             })?;
-            let sites = || mine.sites.iter().filter(|s| s.scale == 1.0 && s.offset == 0.0);
-            let rays: usize = sites().map(|site| site.rays).sum();
-            let through: usize = sites().map(|site| site.no_hit).sum();
+            let here = |site: &Site| site.scale == 1.0 && site.offset == 0.0;
+            let (rays, through) = self.aimed(alike, here);
             (rays > 0).then(|| number(through as f64 * 1e6 / rays as f64))
         };
         let both = |method: &str| {
             let dash = || "–".to_owned();
             format!(
                 "`{method}` {} plain and {} fused",
-                edges("plain", method).unwrap_or_else(dash),
-                edges("fused", method).unwrap_or_else(dash)
+                cracks("plain", method).unwrap_or_else(dash),
+                cracks("fused", method).unwrap_or_else(dash)
             )
         };
         let shares: Vec<f64> = self

@@ -117,9 +117,8 @@ fn row(view: &View, method: &str, precision: &str) -> StressRow {
         row.false_misses += level.false_misses;
         row.wrong += level.wrong;
     }
-    let unit_roundoff = f64::EPSILON / 2.0;
-    let unit_roundoff =
-        if precision == "f32" { f64::from(f32::EPSILON) / 2.0 } else { unit_roundoff };
+    let epsilon = if precision == "f32" { f64::from(f32::EPSILON) } else { f64::EPSILON };
+    let unit_roundoff = epsilon / 2.0;
     row.error_over_condition = view
         .by_condition
         .iter()

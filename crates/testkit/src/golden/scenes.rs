@@ -37,7 +37,6 @@ pub(super) enum Wanted {
 pub(super) trait Golden: Float {
     fn up(self) -> Self;
     fn down(self) -> Self;
-    fn of_bits(bits: u64) -> Self;
     /// The exponents of the smallest and the largest power of two.
     const EXPONENTS: [f64; 2];
 }
@@ -50,9 +49,6 @@ impl Golden for f32 {
     fn down(self) -> Self {
         self.next_down()
     }
-    fn of_bits(bits: u64) -> Self {
-        Self::from_bits((bits >> 32) as u32)
-    }
 }
 
 impl Golden for f64 {
@@ -62,9 +58,6 @@ impl Golden for f64 {
     }
     fn down(self) -> Self {
         self.next_down()
-    }
-    fn of_bits(bits: u64) -> Self {
-        Self::from_bits(bits)
     }
 }
 
@@ -380,7 +373,7 @@ fn power_of_ten(power: f64) -> f64 {
 fn hurtful<E: Golden>(stream: &mut Stream) -> f64 {
     let bits = stream.bits();
     let number = match stream.below(8) {
-        0..4 => E::of_bits(bits).to_f64(),
+        0..4 => E::from_upper_bits(bits).to_f64(),
         4..6 => {
             let [low, high] = E::EXPONENTS;
             stream.range_f64(low, high + 1.0).floor().exp2()
