@@ -1,11 +1,8 @@
 //! The wide tree as it is traversed: nodes of eight children, leaves of blocks of eight triangles.
 
-use rayon::prelude::*;
-use trisect_core::{Method, Of, Triangle, UnsuitableMesh, rows};
+use trisect_core::{Method, Of};
 
-use crate::binary::{self, Binary, Reference};
 use crate::bounds::Bounds;
-use crate::collapse::{Collapse, Root};
 
 /// Children of a node, and triangles of a block.
 pub(crate) const WIDTH: usize = 8;
@@ -29,12 +26,12 @@ pub(crate) struct Node {
 }
 
 impl Node {
-    const EMPTY: Self = {
+    pub(crate) const EMPTY: Self = {
         let (from, to) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
         Self { bounds: [from, to, from, to, from, to], children: [0; WIDTH], spare: [0; WIDTH] }
     };
 
-    fn set(&mut self, lane: usize, bounds: &Bounds, child: u32) {
+    pub(crate) fn set(&mut self, lane: usize, bounds: &Bounds, child: u32) {
         for axis in 0..3 {
             self.bounds[2 * axis][lane] = bounds.min[axis];
             self.bounds[2 * axis + 1][lane] = bounds.max[axis];
@@ -49,8 +46,17 @@ pub(crate) struct Block<M: Method> {
     pub(crate) prepared: Of<M::Prepared, [f32; WIDTH]>,
     /// Their numbers.
     pub(crate) triangles: [u32; WIDTH],
-    /// Their kind.
-    pub(crate) group: u32,
+}
+
+/// The number of a leaf.
+///
+/// # Panics
+/// When there are more blocks than a tree can number.
+pub(crate) fn leaf(blocks: std::ops::Range<usize>) -> u32 {
+    let first = u32::try_from(blocks.start).unwrap_or(u32::MAX);
+    assert!(first <= FIRST_MASK, "more blocks than the tree can number");
+    let count = u32::try_from(blocks.len()).expect("a leaf has few blocks");
+    LEAF | count << COUNT_SHIFT | first
 }
 
 /// What a child is.
@@ -74,6 +80,8 @@ pub(crate) fn child(number: u32) -> Child {
 pub struct Bvh<M: Method> {
     pub(crate) nodes: Vec<Node>,
     pub(crate) blocks: Vec<Block<M>>,
+    /// The kind of triangles in each block; empty where the method has one.
+    pub(crate) groups: Vec<u8>,
     /// Nodes on the longest way down.
     pub(crate) depth: usize,
     pub(crate) bounds: Bounds,
@@ -96,55 +104,6 @@ pub struct Statistics {
 }
 
 impl<M: Method> Bvh<M> {
-    /// Prepares `triangles`, whose numbers are their places, and puts them in a tree. Triangles that
-    /// are not finite or have no area are left out: nothing hits them.
-    ///
-    /// The tree depends on the triangles alone, not on the number of threads.
-    ///
-    /// # Errors
-    /// When the method cannot take the mesh.
-    ///
-    /// # Panics
-    /// When there are more than `u32::MAX − 1` triangles, or more than 2²⁸ blocks.
-    pub fn build(triangles: &[Triangle<f32>]) -> Result<Self, UnsuitableMesh> {
-        let fixed = M::mesh_group(triangles)?;
-        let mut references: Vec<Reference> = (0..u32::MAX)
-            .zip(triangles)
-            .collect::<Vec<_>>()
-            .into_par_iter()
-            .filter(|(_, triangle)| triangle.can_be_hit())
-            .map(|(number, triangle)| Reference {
-                bounds: Bounds::of_triangle(triangle),
-                triangle: number,
-            })
-            .collect();
-        let binary = binary::build(&mut references);
-        let mut emit = Emit::<M> {
-            triangles,
-            references: &references,
-            binary: &binary,
-            fixed,
-            bvh: Self {
-                nodes: vec![Node::EMPTY],
-                blocks: Vec::new(),
-                depth: 1,
-                bounds: Bounds::EMPTY,
-            },
-        };
-        if let Some(root) = binary.first() {
-            emit.bvh.bounds = root.bounds;
-            let collapse = Collapse::new(&binary);
-            match collapse.root() {
-                Root::Node(place) => emit.node(&collapse, place, 0, 1),
-                leaf @ Root::Leaf(_) => {
-                    let child = emit.leaf(leaf);
-                    emit.bvh.nodes[0].set(0, &root.bounds, child);
-                }
-            }
-        }
-        Ok(emit.bvh)
-    }
-
     /// Facts about the tree.
     pub(crate) fn statistics_of(&self) -> Statistics {
         let whole = f64::from(self.bounds.half_area());
@@ -167,87 +126,10 @@ impl<M: Method> Bvh<M> {
             nodes: self.nodes.len(),
             blocks: self.blocks.len(),
             depth: self.depth,
-            bytes: size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]),
+            bytes: size_of_val(&self.nodes[..])
+                + size_of_val(&self.blocks[..])
+                + size_of_val(&self.groups[..]),
             cost,
         }
-    }
-}
-
-/// Writes the wide tree.
-struct Emit<'a, M: Method> {
-    triangles: &'a [Triangle<f32>],
-    references: &'a [Reference],
-    binary: &'a [Binary],
-    fixed: Option<usize>,
-    bvh: Bvh<M>,
-}
-
-impl<M: Method> Emit<'_, M> {
-    /// Fills in the wide node at `at`, whose binary root is at `place`. Its inner children stand side
-    /// by side, each followed by what is below it.
-    fn node(&mut self, collapse: &Collapse<'_>, place: usize, at: usize, depth: usize) {
-        self.bvh.depth = self.bvh.depth.max(depth);
-        let mut roots = Vec::with_capacity(WIDTH);
-        collapse.wide(place, &mut roots);
-        let inner = roots.iter().filter(|root| matches!(root, Root::Node(_))).count();
-        let first = self.bvh.nodes.len();
-        self.bvh.nodes.resize(first + inner, Node::EMPTY);
-        let mut next = first;
-        for (lane, &root) in roots.iter().enumerate() {
-            let (Root::Node(below) | Root::Leaf(below)) = root;
-            let bounds = self.binary[below].bounds;
-            let child = match root {
-                Root::Node(_) => {
-                    next += 1;
-                    u32::try_from(next - 1).expect("nodes are fewer than triangles")
-                }
-                Root::Leaf(_) => self.leaf(root),
-            };
-            self.bvh.nodes[at].set(lane, &bounds, child);
-        }
-        let mut next = first;
-        for root in roots {
-            if let Root::Node(below) = root {
-                self.node(collapse, below, next, depth + 1);
-                next += 1;
-            }
-        }
-    }
-
-    /// Writes the blocks of a leaf, one kind after the other.
-    fn leaf(&mut self, root: Root) -> u32 {
-        let (Root::Node(place) | Root::Leaf(place)) = root;
-        let Binary { first, count, .. } = self.binary[place];
-        let (first, count) = (first as usize, count as usize);
-        let mut members: Vec<(usize, u32)> = self.references[first..first + count]
-            .iter()
-            .map(|reference| {
-                let triangle = &self.triangles[reference.triangle as usize];
-                (self.fixed.unwrap_or_else(|| M::group(triangle)), reference.triangle)
-            })
-            .collect();
-        members.sort_unstable();
-        let start = self.bvh.blocks.len();
-        for of_group in members.chunk_by(|a, b| a.0 == b.0) {
-            for chunk in of_group.chunks(WIDTH) {
-                let block = self.block(chunk);
-                self.bvh.blocks.push(block);
-            }
-        }
-        let blocks = u32::try_from(self.bvh.blocks.len() - start).expect("a leaf has few blocks");
-        let start = u32::try_from(start).expect("blocks are fewer than triangles");
-        assert!(start <= FIRST_MASK, "more blocks than the tree can number");
-        LEAF | blocks << COUNT_SHIFT | start
-    }
-
-    /// Up to eight triangles of one kind; the last one fills up the block.
-    fn block(&self, members: &[(usize, u32)]) -> Block<M> {
-        let group = members[0].0;
-        let number = |lane: usize| members[lane.min(members.len() - 1)].1;
-        let triangles = std::array::from_fn(number);
-        let prepared = rows::<M::Prepared, f32, WIDTH>(|lane| {
-            M::prepare(&self.triangles[number(lane) as usize], group)
-        });
-        Block { prepared, triangles, group: u32::try_from(group).expect("kinds are few") }
     }
 }

@@ -1,10 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-mod binary;
 mod bounds;
+mod build;
 mod bvh;
-mod collapse;
 mod dispatch;
 mod traverse;
 

@@ -187,8 +187,10 @@ where
                 }
             }
             Child::Leaf(first, count) => {
-                for block in &bvh.blocks[first..first + count] {
-                    let ray = &prepared[block.group as usize % 3];
+                for (block, at) in bvh.blocks[first..first + count].iter().zip(first..) {
+                    let group =
+                        if const { M::GROUPS > 1 } { usize::from(bvh.groups[at]) } else { 0 };
+                    let ray = &prepared[group % 3];
                     test_block::<M, L, AXIS>(token, ray, block, interval, culling, &mut best);
                 }
                 if let Some(found) = &best {

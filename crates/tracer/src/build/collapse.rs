@@ -4,7 +4,7 @@
 //! Performance Graphics 2017, section 3.1, with costs of a CPU with lanes: a node is tested at once, and
 //! so is a block of triangles.
 
-use crate::binary::Binary;
+use super::binary::Binary;
 use crate::bvh::WIDTH;
 
 /// Blocks of a leaf, at most.
