@@ -99,6 +99,12 @@ pub trait Lanes: Number {
     fn min(self, b: Self) -> Self {
         Self::select(self.lt(b), self, b)
     }
+    /// The larger of two; `b` where either is NaN.
+    #[inline(always)]
+    #[must_use]
+    fn max(self, b: Self) -> Self {
+        Self::select(self.gt(b), self, b)
+    }
     /// `a` where `m` holds, else `b`.
     #[must_use]
     fn select(m: Self::Mask, a: Self, b: Self) -> Self;
@@ -460,6 +466,24 @@ where
         Self::new(V::from_bits(
             self.lanes.to_bits() ^ (s.lanes.to_bits() & <V::Element as Float>::SIGN),
         ))
+    }
+    // The instruction of x86 gives the second operand where either is NaN; that of other processors
+    // does not.
+    #[inline(always)]
+    fn min(self, b: Self) -> Self {
+        if cfg!(any(target_arch = "x86", target_arch = "x86_64")) {
+            Self::new(self.lanes.min(b.lanes))
+        } else {
+            Self::select(self.lt(b), self, b)
+        }
+    }
+    #[inline(always)]
+    fn max(self, b: Self) -> Self {
+        if cfg!(any(target_arch = "x86", target_arch = "x86_64")) {
+            Self::new(self.lanes.max(b.lanes))
+        } else {
+            Self::select(self.gt(b), self, b)
+        }
     }
     #[inline(always)]
     fn select(m: V::Mask, a: Self, b: Self) -> Self {

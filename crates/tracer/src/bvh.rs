@@ -17,24 +17,22 @@ const FIRST_MASK: u32 = (1 << COUNT_SHIFT) - 1;
 #[repr(C, align(64))]
 #[derive(Clone, Debug)]
 pub(crate) struct Node {
-    /// `x` from and to, `y`, `z`; two rows more, so that a row is found by a mask.
-    pub(crate) bounds: [[f32; WIDTH]; 6],
+    /// Along each axis, from and to.
+    pub(crate) bounds: [[[f32; WIDTH]; 2]; 3],
     /// A node's place, or a leaf.
     pub(crate) children: [u32; WIDTH],
-    /// Fills up 256 bytes.
-    spare: [u32; WIDTH],
 }
 
 impl Node {
     pub(crate) const EMPTY: Self = {
-        let (from, to) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
-        Self { bounds: [from, to, from, to, from, to], children: [0; WIDTH], spare: [0; WIDTH] }
+        let empty = [[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]];
+        Self { bounds: [empty; 3], children: [0; WIDTH] }
     };
 
     pub(crate) fn set(&mut self, lane: usize, bounds: &Bounds, child: u32) {
         for axis in 0..3 {
-            self.bounds[2 * axis][lane] = bounds.min[axis];
-            self.bounds[2 * axis + 1][lane] = bounds.max[axis];
+            self.bounds[axis][0][lane] = bounds.min[axis];
+            self.bounds[axis][1][lane] = bounds.max[axis];
         }
         self.children[lane] = child;
     }
@@ -110,7 +108,7 @@ impl<M: Method> Bvh<M> {
         let mut cost = 1.0;
         for node in &self.nodes {
             for lane in 0..WIDTH {
-                let corner = |row: usize| [0, 2, 4].map(|axis| node.bounds[axis + row][lane]);
+                let corner = |end: usize| [0, 1, 2].map(|axis| node.bounds[axis][end][lane]);
                 let bounds = Bounds { min: corner(0), max: corner(1) };
                 let share = f64::from(bounds.half_area()) / whole;
                 if share.is_finite() {

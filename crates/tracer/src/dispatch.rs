@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use trisect_core::{Culling, Fused, Lanes, Method, Plain, Ray, Token, Vector};
 
 use crate::bvh::{Bvh, Statistics};
-use crate::traverse::{TriangleHit, room, trace};
+use crate::traverse::{Found, TriangleHit, trace};
 
 /// How a batch of rays is traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,24 +64,17 @@ struct Batch<'a, M: Method, T, const ANY: bool, const ROBUST: bool> {
     rays: &'a [Ray<f32>],
     culling: Culling,
     found: &'a mut [T],
-    note: fn(Option<TriangleHit>) -> T,
 }
 
-impl<M: Method, T: Send, const ANY: bool, const ROBUST: bool> Job for Batch<'_, M, T, ANY, ROBUST> {
+impl<M: Method, T: Found, const ANY: bool, const ROBUST: bool> Job for Batch<'_, M, T, ANY, ROBUST> {
     type Output = ();
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
-        let Self { bvh, rays, culling, found, note } = self;
-        let mut stack = vec![0; room(bvh.depth)];
+        let Self { bvh, rays, culling, found } = self;
+        // Known when it is compiled, where nothing is culled.
+        let culling = if ROBUST { culling } else { Culling::None };
         token.run(
             #[inline(always)]
-            || {
-                for (ray, found) in rays.iter().zip(found) {
-                    // Known when it is compiled, where nothing is culled.
-                    let culling = if ROBUST { culling } else { Culling::None };
-                    let hit = trace::<M, L, ANY, ROBUST>(bvh, token, ray, culling, &mut stack);
-                    *found = note(hit);
-                }
-            },
+            || trace::<M, L, T, ANY, ROBUST>(bvh, token, rays, culling, found),
         );
     }
 }
@@ -119,11 +112,11 @@ impl<M: Method> Tree for Bvh<M> {
         rays: &[Ray<f32>],
         found: &mut [Option<TriangleHit>],
     ) {
-        self.batch::<_, false>(tracing, culling, rays, found, |hit| hit);
+        self.batch::<_, false>(tracing, culling, rays, found);
     }
 
     fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
-        self.batch::<_, true>(tracing, culling, rays, found, |hit| hit.is_some());
+        self.batch::<_, true>(tracing, culling, rays, found);
     }
 
     fn statistics(&self) -> Statistics {
@@ -132,39 +125,37 @@ impl<M: Method> Tree for Bvh<M> {
 }
 
 impl<M: Method> Bvh<M> {
-    fn batch<T: Send, const ANY: bool>(
+    fn batch<T: Found, const ANY: bool>(
         &self,
         tracing: Tracing,
         culling: Culling,
         rays: &[Ray<f32>],
         found: &mut [T],
-        note: fn(Option<TriangleHit>) -> T,
-    ) {
+        ) {
         assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
         let fast = tracing == Tracing::Fast && culling == Culling::None;
         rays.par_chunks(CHUNK).zip(found.par_chunks_mut(CHUNK)).for_each(|(rays, found)| {
-            let rest = if fast { self.fast::<T, ANY>(rays, found, note) } else { Some(found) };
+            let rest = if fast { self.fast::<T, ANY>(rays, found) } else { Some(found) };
             if let Some(found) = rest {
                 // The nearest hit is one as well: one instance less.
-                let plain = Batch::<M, T, false, true> { bvh: self, rays, culling, found, note };
+                let plain = Batch::<M, T, false, true> { bvh: self, rays, culling, found };
                 on_plain_lanes(plain);
             }
         });
     }
 
     /// Traces on fast lanes; gives the places back where the processor has none.
-    fn fast<'a, T: Send, const ANY: bool>(
+    fn fast<'a, T: Found, const ANY: bool>(
         &'a self,
         rays: &'a [Ray<f32>],
         found: &'a mut [T],
-        note: fn(Option<TriangleHit>) -> T,
-    ) -> Option<&'a mut [T]> {
+        ) -> Option<&'a mut [T]> {
         let culling = Culling::None;
         if const { M::INFO.claims.watertight } {
-            let batch = Batch::<M, T, ANY, true> { bvh: self, rays, culling, found, note };
+            let batch = Batch::<M, T, ANY, true> { bvh: self, rays, culling, found };
             on_fast_lanes(batch).err().map(|batch| batch.found)
         } else {
-            let batch = Batch::<M, T, ANY, false> { bvh: self, rays, culling, found, note };
+            let batch = Batch::<M, T, ANY, false> { bvh: self, rays, culling, found };
             on_fast_lanes(batch).err().map(|batch| batch.found)
         }
     }

@@ -1,9 +1,12 @@
-//! One ray through the tree.
+//! Rays through the tree.
+
+use std::ops::Range;
 
 use trisect_core::{
     Culling, Deferred, Early, Hit, Interval, Lanes, Method, Ray, Record, TrueDivision, Vec3,
 };
 
+use prefetch_index::prefetch_index;
 use crate::bvh::{Block, Bvh, Child, Node, WIDTH, child};
 
 /// The nearest triangle that a ray hits.
@@ -14,6 +17,32 @@ pub struct TriangleHit {
     /// Where.
     pub hit: Hit<f32>,
 }
+
+/// What is kept of a ray's hit.
+pub(crate) trait Found: Send {
+    /// From the best hit, which may be [`NO_HIT`].
+    fn of(best: &TriangleHit) -> Self;
+}
+
+impl Found for Option<TriangleHit> {
+    #[inline(always)]
+    fn of(best: &TriangleHit) -> Self {
+        (best.triangle != NO_HIT.triangle).then_some(*best)
+    }
+}
+
+impl Found for bool {
+    #[inline(always)]
+    fn of(best: &TriangleHit) -> Self {
+        best.triangle != NO_HIT.triangle
+    }
+}
+
+const ZERO: Vec3<f32> = Vec3 { x: 0.0, y: 0.0, z: 0.0 };
+
+/// What is farther than every hit.
+const NO_HIT: TriangleHit =
+    TriangleHit { triangle: u32::MAX, hit: Hit { t: f32::INFINITY, beta: 0.0, gamma: 0.0 } };
 
 /// What waits to be visited: the distance in the upper half, the child in the lower.
 pub(crate) type Waiting = u64;
@@ -28,63 +57,62 @@ const FLATTEST: f32 = 1e-18;
 const ROUNDINGS: f32 = 8.0 * (f32::EPSILON / 2.0);
 
 /// What is computed once per ray for the boxes.
-struct Slabs<L> {
-    origin: Vec3<L>,
-    inverse: Vec3<L>,
+#[derive(Clone, Copy)]
+struct Slabs {
+    origin: Vec3<f32>,
+    inverse: Vec3<f32>,
     /// `origin · inverse`
-    start: Vec3<L>,
-    /// The rows of a node that are nearer and farther along each axis.
-    near: [usize; 3],
-    far: [usize; 3],
+    start: Vec3<f32>,
+    /// Along each axis, 1 where the ray goes backwards: the end of a box that is nearer.
+    near: [u32; 3],
 }
 
-impl<L: Lanes<Elem = f32>> Slabs<L> {
+impl Slabs {
     #[inline(always)]
-    fn new<const ROBUST: bool>(token: L::Token, ray: &Ray<f32>) -> Self {
+    fn new<const ROBUST: bool>(ray: &Ray<f32>) -> Self {
         let Vec3 { x, y, z } = ray.d;
         let least = if ROBUST { 0.0 } else { FLATTEST * x.abs().max(y.abs()).max(z.abs()) };
-        let inverse = |d: f32| 1.0 / d.abs().max(least).copysign(d);
-        let r = Vec3::new(inverse(x), inverse(y), inverse(z));
-        let splat = |v: Vec3<f32>| {
-            Vec3::new(L::splat(token, v.x), L::splat(token, v.y), L::splat(token, v.z))
-        };
+        let r = Vec3::new(inverse(x, least), inverse(y, least), inverse(z, least));
         let start = Vec3::new(ray.o.x * r.x, ray.o.y * r.y, ray.o.z * r.z);
-        let back = [r.x < 0.0, r.y < 0.0, r.z < 0.0].map(usize::from);
-        Self {
-            origin: splat(ray.o),
-            inverse: splat(r),
-            start: splat(start),
-            near: [back[0], 2 + back[1], 4 + back[2]],
-            far: [1 - back[0], 3 - back[1], 5 - back[2]],
-        }
+        let near = [u32::from(r.x < 0.0), u32::from(r.y < 0.0), u32::from(r.z < 0.0)];
+        Self { origin: ray.o, inverse: r, start, near }
     }
 
-    /// Distances to eight planes of each axis. Where `ROBUST`, that along an axis across the ray is
-    /// infinite, or NaN for a plane that the ray lies in.
+    /// Distances to the nearer or farther planes of boxes. Where `ROBUST`, that along an axis across the
+    /// ray is infinite, or NaN for a plane that the ray lies in.
     #[inline(always)]
-    fn planes<const ROBUST: bool>(&self, x: L, y: L, z: L) -> (L, L, L) {
+    fn planes<L: Lanes<Elem = f32>, const ROBUST: bool>(
+        &self,
+        token: L::Token,
+        node: &Node,
+        far: u32,
+        lane: usize,
+    ) -> (L, L, L) {
+        let [x, y, z] = self.near;
+        let x = L::load(token, &node.bounds[0][((x ^ far) & 1) as usize][lane..]);
+        let y = L::load(token, &node.bounds[1][((y ^ far) & 1) as usize][lane..]);
+        let z = L::load(token, &node.bounds[2][((z ^ far) & 1) as usize][lane..]);
+        let r = self.inverse;
+        let (rx, ry, rz) = (x.constant(r.x), x.constant(r.y), x.constant(r.z));
         if ROBUST {
             // The difference is exact, or relative to the distance.
-            let Vec3 { x: ox, y: oy, z: oz } = self.origin;
-            let r = self.inverse;
-            ((x - ox) * r.x, (y - oy) * r.y, (z - oz) * r.z)
+            let o = self.origin;
+            ((x - x.constant(o.x)) * rx, (y - x.constant(o.y)) * ry, (z - x.constant(o.z)) * rz)
         } else {
-            let (r, s) = (self.inverse, self.start);
-            (x.mul_sub(r.x, s.x), y.mul_sub(r.y, s.y), z.mul_sub(r.z, s.z))
+            let s = self.start;
+            (
+                x.mul_sub(rx, x.constant(s.x)),
+                y.mul_sub(ry, x.constant(s.y)),
+                z.mul_sub(rz, x.constant(s.z)),
+            )
         }
     }
 }
 
-/// The larger of two; the first where either is NaN.
+/// The reciprocal of a coordinate of the direction, which counts as `least` where it is smaller.
 #[inline(always)]
-fn larger<L: Lanes>(a: L, b: L) -> L {
-    L::select(b.gt(a), b, a)
-}
-
-/// The smaller of two; the first where either is NaN.
-#[inline(always)]
-fn smaller<L: Lanes>(a: L, b: L) -> L {
-    L::select(b.lt(a), b, a)
+fn inverse(d: f32, least: f32) -> f32 {
+    1.0 / d.abs().max(least).copysign(d)
 }
 
 /// Where a ray enters the last of three slabs, or its interval.
@@ -92,9 +120,9 @@ fn smaller<L: Lanes>(a: L, b: L) -> L {
 fn nearest_of<L: Lanes, const ROBUST: bool>(x: L, y: L, z: L, tmin: L) -> L {
     if ROBUST {
         // From what is not NaN: a plane that the ray lies in says nothing.
-        larger(larger(larger(tmin, x), y), z)
+        z.max(y.max(x.max(tmin)))
     } else {
-        larger(larger(x, y), larger(tmin, z))
+        x.max(y).max(z.max(tmin))
     }
 }
 
@@ -102,9 +130,9 @@ fn nearest_of<L: Lanes, const ROBUST: bool>(x: L, y: L, z: L, tmin: L) -> L {
 #[inline(always)]
 fn farthest_of<L: Lanes, const ROBUST: bool>(x: L, y: L, z: L, tmax: L) -> L {
     if ROBUST {
-        smaller(smaller(smaller(tmax, x), y), z)
+        z.min(y.min(x.min(tmax)))
     } else {
-        smaller(smaller(x, y), smaller(tmax, z))
+        x.min(y).min(z.min(tmax))
     }
 }
 
@@ -114,106 +142,243 @@ pub(crate) fn room(depth: usize) -> usize {
     (depth * (WIDTH - 1) + WIDTH).next_power_of_two()
 }
 
-/// The nearest hit of a ray, of equally near ones the lowest number; any hit where `ANY`. The tests of
-/// boxes allow for rounding where `ROBUST`.
-#[inline(always)]
-pub(crate) fn trace<M, L, const ANY: bool, const ROBUST: bool>(
-    bvh: &Bvh<M>,
-    token: L::Token,
-    ray: &Ray<f32>,
-    culling: Culling,
-    stack: &mut [Waiting],
-) -> Option<TriangleHit>
-where
-    M: Method,
-    L: Lanes<Elem = f32>,
-{
-    if const { M::TURNS } {
-        match ray.d.largest_axis() {
-            0 => return down::<M, L, ANY, ROBUST, 0>(bvh, token, ray, culling, stack),
-            1 => return down::<M, L, ANY, ROBUST, 1>(bvh, token, ray, culling, stack),
-            _ => {}
-        }
-    }
-    down::<M, L, ANY, ROBUST, 2>(bvh, token, ray, culling, stack)
+/// Rays that are on their way at the same time. While one waits for what it needs next, or for the
+/// outcome of its last test, the others go on.
+pub(crate) const IN_FLIGHT: usize = 2;
+
+/// A ray on its way.
+#[derive(Clone, Copy)]
+struct Flight {
+    /// Its number.
+    number: usize,
+    ray: Ray<f32>,
+    slabs: Slabs,
+    tmin: f32,
+    /// Where its interval ends: at the best hit, where there is one.
+    tmax: f32,
+    best: TriangleHit,
+    /// The node that was visited last.
+    node: u32,
+    /// Its children that the ray meets, in bits, and where. They are looked at when it is the ray's
+    /// turn again: by then they are known, and a branch on them that was predicted wrongly costs little.
+    met: u64,
+    distances: [f32; WIDTH],
+    /// How many wait.
+    waiting: usize,
 }
 
-#[inline(always)]
-fn down<M, L, const ANY: bool, const ROBUST: bool, const AXIS: usize>(
-    bvh: &Bvh<M>,
-    token: L::Token,
-    ray: &Ray<f32>,
-    culling: Culling,
-    stack: &mut [Waiting],
-) -> Option<TriangleHit>
-where
-    M: Method,
-    L: Lanes<Elem = f32>,
-{
-    let whole = Interval::of(ray);
-    // A ray that is not finite has nothing; so has one with an empty interval.
-    let has_any = whole.tmin <= whole.tmax;
-    if !has_any {
-        return None;
+impl Flight {
+    const NOWHERE: Self = Self {
+        number: 0,
+        ray: Ray { o: ZERO, d: ZERO, tmin: 0.0, tmax: 0.0 },
+        slabs: Slabs { origin: ZERO, inverse: ZERO, start: ZERO, near: [0; 3] },
+        tmin: 0.0,
+        tmax: 0.0,
+        best: NO_HIT,
+        node: 0,
+        met: 0,
+        distances: [0.0; WIDTH],
+        waiting: 0,
+    };
+
+    /// Puts a ray at the root. It has nothing, and does not start, where it is not finite or its
+    /// interval is empty.
+    #[inline(always)]
+    fn start<M: Method, L: Lanes<Elem = f32>, const ROBUST: bool>(
+        &mut self,
+        bvh: &Bvh<M>,
+        token: L::Token,
+        number: usize,
+        ray: &Ray<f32>,
+    ) -> bool {
+        let Interval { tmin, tmax } = Interval::of(ray);
+        self.number = number;
+        self.ray = *ray;
+        self.slabs = Slabs::new::<ROBUST>(ray);
+        self.tmin = tmin;
+        self.tmax = tmax;
+        self.best = NO_HIT;
+        self.waiting = 0;
+        self.visit::<M, L, ROBUST>(bvh, token, 0);
+        tmin <= tmax
     }
-    let slabs = Slabs::<L>::new::<ROBUST>(token, ray);
-    let lanes = ray
-        .map(
-            #[inline(always)]
-            |&x| L::splat(token, x),
-        )
-        .with_axis_last(AXIS);
-    // Three kinds at most; the compiler sees that there is one where there is one.
-    let kind = |group: usize| group.min(M::GROUPS - 1);
-    let prepared = [
-        M::prepare_ray(&lanes, kind(0)),
-        M::prepare_ray(&lanes, kind(1)),
-        M::prepare_ray(&lanes, kind(2)),
-    ];
-    let mut interval =
-        Interval { tmin: L::splat(token, whole.tmin), tmax: L::splat(token, whole.tmax) };
-    let mut tmax = whole.tmax;
-    let mut best: Option<TriangleHit> = None;
-    let mut waiting = Stack { items: stack, count: 0 };
-    let mut current = 0_u32;
-    loop {
-        match child(current) {
-            Child::Node(place) => {
-                let node = &bvh.nodes[place];
-                let (met, distances) = meet::<L, ROBUST>(token, &slabs, node, interval);
-                if met != 0 {
-                    current = waiting.descend::<ANY>(node, met, &distances);
-                    continue;
+
+    /// Visits a node or a leaf; whether the ray has arrived.
+    #[inline(always)]
+    fn step<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const ROBUST: bool>(
+        &mut self,
+        bvh: &Bvh<M>,
+        token: L::Token,
+        culling: Culling,
+        stack: &mut [Waiting],
+    ) -> bool {
+        let mut waiting = Stack { items: stack, count: self.waiting };
+        let current = if self.met != 0 {
+            let node = &bvh.nodes[self.node as usize];
+            waiting.descend::<ANY>(node, self.met, &self.distances)
+        } else {
+            // What begins behind the best hit is not worth a visit any more.
+            loop {
+                let Some(item) = waiting.pop() else { return true };
+                if ANY || distance(item) <= self.tmax {
+                    break low(item);
                 }
             }
+        };
+        self.waiting = waiting.count;
+        match child(current) {
+            Child::Node(place) => self.visit::<M, L, ROBUST>(bvh, token, place),
             Child::Leaf(first, count) => {
-                for (block, at) in bvh.blocks[first..first + count].iter().zip(first..) {
-                    let group =
-                        if const { M::GROUPS > 1 } { usize::from(bvh.groups[at]) } else { 0 };
-                    let ray = &prepared[group % 3];
-                    test_block::<M, L, AXIS>(token, ray, block, interval, culling, &mut best);
-                }
-                if let Some(found) = &best {
+                self.met = 0;
+                self.test_leaf::<M, L>(bvh, token, first..first + count, culling);
+                if self.best.triangle != NO_HIT.triangle {
                     if ANY {
-                        return best;
+                        return true;
                     }
                     // The quotient may round to a tie that the numerators do not show: a triangle of a
                     // lower number must not be lost to that.
-                    tmax = found.hit.t;
-                    if ROBUST {
-                        tmax += tmax.abs() * ROUNDINGS;
-                    }
-                    interval.tmax = L::splat(token, tmax);
+                    let t = self.best.hit.t;
+                    self.tmax = if ROBUST { t + t.abs() * ROUNDINGS } else { t };
                 }
             }
         }
-        // What begins behind the best hit is not worth a visit any more.
-        current = loop {
-            let Some(item) = waiting.pop() else { return best };
-            if ANY || distance(item) <= tmax {
-                break low(item);
+        false
+    }
+
+    #[inline(always)]
+    fn visit<M: Method, L: Lanes<Elem = f32>, const ROBUST: bool>(
+        &mut self,
+        bvh: &Bvh<M>,
+        token: L::Token,
+        place: usize,
+    ) {
+        #[allow(clippy::cast_possible_truncation, reason = "nodes are numbered in u32")]
+        let number = place as u32;
+        self.node = number;
+        (self.met, self.distances) =
+            meet::<L, ROBUST>(token, &self.slabs, &bvh.nodes[place], self.tmin, self.tmax);
+    }
+
+    #[inline(always)]
+    fn test_leaf<M: Method, L: Lanes<Elem = f32>>(
+        &mut self,
+        bvh: &Bvh<M>,
+        token: L::Token,
+        blocks: Range<usize>,
+        culling: Culling,
+    ) {
+        if const { M::TURNS } {
+            match self.ray.d.largest_axis() {
+                0 => return self.test_blocks::<M, L, 0>(bvh, token, blocks, culling),
+                1 => return self.test_blocks::<M, L, 1>(bvh, token, blocks, culling),
+                _ => {}
             }
-        };
+        }
+        self.test_blocks::<M, L, 2>(bvh, token, blocks, culling);
+    }
+
+    #[inline(always)]
+    fn test_blocks<M: Method, L: Lanes<Elem = f32>, const AXIS: usize>(
+        &mut self,
+        bvh: &Bvh<M>,
+        token: L::Token,
+        blocks: Range<usize>,
+        culling: Culling,
+    ) {
+        let interval =
+            Interval { tmin: L::splat(token, self.tmin), tmax: L::splat(token, self.tmax) };
+        // What is computed once per ray costs less here than to keep it for every ray in flight.
+        let ray = self
+            .ray
+            .map(
+                #[inline(always)]
+                |&x| L::splat(token, x),
+            )
+            .with_axis_last(AXIS);
+        for (block, at) in bvh.blocks[blocks.clone()].iter().zip(blocks) {
+            let group = if const { M::GROUPS > 1 } { usize::from(bvh.groups[at]) } else { 0 };
+            let ray = M::prepare_ray(&ray, group);
+            test_block::<M, L, AXIS>(token, &ray, block, interval, culling, &mut self.best);
+        }
+    }
+}
+
+/// The nearest hit of each ray, of equally near ones the lowest number; any hit where `ANY`. The tests
+/// of boxes allow for rounding where `ROBUST`.
+#[inline(always)]
+pub(crate) fn trace<M, L, T, const ANY: bool, const ROBUST: bool>(
+    bvh: &Bvh<M>,
+    token: L::Token,
+    rays: &[Ray<f32>],
+    culling: Culling,
+    found: &mut [T],
+) where
+    T: Found,
+    M: Method,
+    L: Lanes<Elem = f32>,
+{
+    let room = room(bvh.depth);
+    let mut stacks = vec![0; room * IN_FLIGHT];
+    let mut flights = [Flight::NOWHERE; IN_FLIGHT];
+    let mut next = 0;
+    let mut count = 0;
+    while count < IN_FLIGHT && next < rays.len() {
+        if flights[count].start::<M, L, ROBUST>(bvh, token, next, &rays[next]) {
+            count += 1;
+        } else {
+            found[next] = T::of(&NO_HIT);
+        }
+        next += 1;
+    }
+    while count > 0 {
+        let mut at = 0;
+        while at < count {
+            let flight = &mut flights[at % IN_FLIGHT];
+            let stack = &mut stacks[at * room..][..room];
+            let mut arrived = flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, stack);
+            while arrived {
+                found[flight.number] = T::of(&flight.best);
+                if next == rays.len() {
+                    break;
+                }
+                arrived = !flight.start::<M, L, ROBUST>(bvh, token, next, &rays[next]);
+                next += 1;
+            }
+            if arrived {
+                // No ray is left for its place. The last one moves there, with what waits for it.
+                count -= 1;
+                flights[at] = flights[count];
+                stacks.copy_within(count * room..(count + 1) * room, at * room);
+            } else {
+                at += 1;
+            }
+        }
+    }
+}
+
+/// Asks for what is visited next.
+#[inline(always)]
+fn fetch<M: Method>(bvh: &Bvh<M>, number: u32) {
+    match child(number) {
+        Child::Node(place) => {
+            let node = &bvh.nodes[place];
+            prefetch_index(&node.bounds, 0);
+            prefetch_index(&node.bounds, 1);
+            prefetch_index(&node.bounds, 2);
+            prefetch_index(&node.children, 0);
+        }
+        Child::Leaf(first, _) => {
+            // A row is half of what is fetched at once; so every other number is asked for twice.
+            let block = &bvh.blocks[first];
+            M::Prepared::map(
+                &block.prepared,
+                #[inline(always)]
+                |row: &[f32; WIDTH]| {
+                    prefetch_index(row, 0);
+                    0.0_f32
+                },
+            );
+        }
     }
 }
 
@@ -221,21 +386,19 @@ where
 #[inline(always)]
 fn meet<L: Lanes<Elem = f32>, const ROBUST: bool>(
     token: L::Token,
-    slabs: &Slabs<L>,
+    slabs: &Slabs,
     node: &Node,
-    interval: Interval<L>,
+    tmin: f32,
+    tmax: f32,
 ) -> (u64, [f32; WIDTH]) {
     let mut distances = [0.0_f32; WIDTH];
     let mut met = 0_u64;
     let mut lane = 0;
     while lane < WIDTH {
-        let row = |row: usize| L::load(token, &node.bounds[row][lane..]);
-        let [x, y, z] = slabs.near;
-        let (x, y, z) = slabs.planes::<ROBUST>(row(x), row(y), row(z));
-        let mut from = nearest_of::<L, ROBUST>(x, y, z, interval.tmin);
-        let [x, y, z] = slabs.far;
-        let (x, y, z) = slabs.planes::<ROBUST>(row(x), row(y), row(z));
-        let mut to = farthest_of::<L, ROBUST>(x, y, z, interval.tmax);
+        let (x, y, z) = slabs.planes::<L, ROBUST>(token, node, 0, lane);
+        let mut from = nearest_of::<L, ROBUST>(x, y, z, L::splat(token, tmin));
+        let (x, y, z) = slabs.planes::<L, ROBUST>(token, node, 1, lane);
+        let mut to = farthest_of::<L, ROBUST>(x, y, z, L::splat(token, tmax));
         if ROBUST {
             let widen = from.constant(ROUNDINGS);
             from = from - from.magnitude() * widen;
@@ -344,7 +507,7 @@ fn test_block<M: Method, L: Lanes<Elem = f32>, const AXIS: usize>(
     block: &Block<M>,
     interval: Interval<L>,
     culling: Culling,
-    best: &mut Option<TriangleHit>,
+    best: &mut TriangleHit,
 ) {
     let mut lane = 0;
     while lane < WIDTH {
@@ -395,7 +558,7 @@ fn nearest<L: Lanes<Elem = f32>>(
     met: L::Mask,
     hit: Hit<L>,
     numbers: &[u32],
-    best: &mut Option<TriangleHit>,
+    best: &mut TriangleHit,
 ) {
     let mut lanes = [[0.0_f32; WIDTH]; 3];
     hit.t.store(&mut lanes[0]);
@@ -406,11 +569,9 @@ fn nearest<L: Lanes<Elem = f32>>(
         let lane = met.trailing_zeros() as usize % WIDTH;
         met &= met - 1;
         let (t, triangle) = (lanes[0][lane], numbers[lane]);
-        let is_nearer =
-            best.is_none_or(|best| t < best.hit.t || t == best.hit.t && triangle < best.triangle);
-        if is_nearer {
+        if t < best.hit.t || t == best.hit.t && triangle < best.triangle {
             let hit = Hit { t, beta: lanes[1][lane], gamma: lanes[2][lane] };
-            *best = Some(TriangleHit { triangle, hit });
+            *best = TriangleHit { triangle, hit };
         }
     }
 }

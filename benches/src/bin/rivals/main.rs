@@ -54,9 +54,12 @@ struct Arguments {
     /// Methods of `trisect list` that the tracer takes part with
     #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values_t = ours::DEFAULT.map(str::to_owned))]
     methods: Vec<String>,
-    /// Only contenders whose names contain one of these
-    #[arg(long, value_name = "WORDS", value_delimiter = ',')]
+    /// Only these contenders
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
+    /// Classes of rays that are made
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values_t = CLASSES.map(str::to_owned))]
+    classes: Vec<String>,
     /// Side, in pixels, of the pictures that rays are made from
     #[arg(long, value_name = "PIXELS", default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=4096))]
     pixels: u16,
@@ -71,6 +74,9 @@ struct Arguments {
     #[arg(long)]
     json: bool,
 }
+
+/// The classes of rays that are made of a mesh.
+const CLASSES: [&str; 4] = ["primary", "random", "diffuse", "occlusion"];
 
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
@@ -99,7 +105,11 @@ fn run(arguments: &Arguments) -> Result<()> {
                 ensure!(!rays.is_empty(), "{}: no rays; name another file", file.display());
                 vec![("rays".to_owned(), rays, arguments.any)]
             }
-            None => classes(&mesh, usize::from(arguments.pixels), arguments.seed)?,
+            None => {
+                let mut made = classes(&mesh, usize::from(arguments.pixels), arguments.seed)?;
+                made.retain(|(name, ..)| arguments.classes.contains(name));
+                made
+            }
         };
         let mut random = Pcg64::seed_from_u64(arguments.seed);
         let mut residents =
@@ -130,7 +140,7 @@ fn entrants(arguments: &Arguments) -> Result<Vec<Entrant>> {
     entrants.extend(embree::entrants(&arguments.embree)?);
     entrants.extend(crates::entrants());
     if !arguments.only.is_empty() {
-        entrants.retain(|entrant| arguments.only.iter().any(|word| entrant.name.contains(word)));
+        entrants.retain(|entrant| arguments.only.contains(&entrant.name));
         ensure!(!entrants.is_empty(), "--only {}: no such contender", arguments.only.join(","));
     }
     Ok(entrants)
