@@ -108,8 +108,8 @@ fn nanoseconds(time: Duration) -> u64 {
 fn sample(tree: &dyn Tree, rays: &[Ray<f32>], found: &mut Found) -> Duration {
     let start = Instant::now();
     match found {
-        Found::Closest(found) => tree.closest(Tracing::Fast, Culling::None, rays, found),
-        Found::Any(found) => tree.any(Tracing::Fast, Culling::None, rays, found),
+        Found::Closest(found) => tree.closest(Tracing::Single, Culling::None, rays, found),
+        Found::Any(found) => tree.any(Tracing::Single, Culling::None, rays, found),
     }
     start.elapsed()
 }

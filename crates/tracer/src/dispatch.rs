@@ -9,9 +9,12 @@ use crate::traverse::{Found, TriangleHit, trace};
 /// How a batch of rays is traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tracing {
-    /// As fast as the processor can: with fused multiply-add where it has that, and tests of boxes that
-    /// are as exact as the method promises to be.
-    Fast,
+    /// Every ray on its own, as fast as the processor can: with fused multiply-add where it has that,
+    /// and tests of boxes that are as exact as the method promises to be.
+    Single,
+    /// Many rays together, node by node, in the same arithmetic: they share what is fetched, and none
+    /// waits for another. For batches of thousands; best where rays are alike, as those of a camera.
+    Stream,
     /// The same answers on every processor, those of testing every triangle: plain arithmetic, and
     /// tests of boxes that allow for their rounding.
     Plain,
@@ -66,15 +69,19 @@ struct Batch<'a, M: Method, T, const ANY: bool, const ROBUST: bool> {
     found: &'a mut [T],
 }
 
-impl<M: Method, T: Found, const ANY: bool, const ROBUST: bool> Job for Batch<'_, M, T, ANY, ROBUST> {
+impl<M: Method, T: Found, const ANY: bool, const ROBUST: bool> Job
+    for Batch<'_, M, T, ANY, ROBUST>
+{
     type Output = ();
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
         let Self { bvh, rays, culling, found } = self;
-        // Known when it is compiled, where nothing is culled.
-        let culling = if ROBUST { culling } else { Culling::None };
         token.run(
             #[inline(always)]
-            || trace::<M, L, T, ANY, ROBUST>(bvh, token, rays, culling, found),
+            || {
+                // Known when it is compiled, where nothing is culled.
+                let culling = if ROBUST { culling } else { Culling::None };
+                trace::<M, L, T, ANY, ROBUST>(bvh, token, rays, culling, found);
+            },
         );
     }
 }
@@ -131,9 +138,9 @@ impl<M: Method> Bvh<M> {
         culling: Culling,
         rays: &[Ray<f32>],
         found: &mut [T],
-        ) {
+    ) {
         assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
-        let fast = tracing == Tracing::Fast && culling == Culling::None;
+        let fast = tracing != Tracing::Plain && culling == Culling::None;
         rays.par_chunks(CHUNK).zip(found.par_chunks_mut(CHUNK)).for_each(|(rays, found)| {
             let rest = if fast { self.fast::<T, ANY>(rays, found) } else { Some(found) };
             if let Some(found) = rest {
@@ -149,7 +156,7 @@ impl<M: Method> Bvh<M> {
         &'a self,
         rays: &'a [Ray<f32>],
         found: &'a mut [T],
-        ) -> Option<&'a mut [T]> {
+    ) -> Option<&'a mut [T]> {
         let culling = Culling::None;
         if const { M::INFO.claims.watertight } {
             let batch = Batch::<M, T, ANY, true> { bvh: self, rays, culling, found };

@@ -6,8 +6,8 @@ use trisect_core::{
     Culling, Deferred, Early, Hit, Interval, Lanes, Method, Ray, Record, TrueDivision, Vec3,
 };
 
-use prefetch_index::prefetch_index;
 use crate::bvh::{Block, Bvh, Child, Node, WIDTH, child};
+use prefetch_index::prefetch_index;
 
 /// The nearest triangle that a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +71,8 @@ impl Slabs {
     #[inline(always)]
     fn new<const ROBUST: bool>(ray: &Ray<f32>) -> Self {
         let Vec3 { x, y, z } = ray.d;
-        let least = if ROBUST { 0.0 } else { FLATTEST * x.abs().max(y.abs()).max(z.abs()) };
+        let least =
+            if ROBUST { 0.0 } else { FLATTEST * greater(greater(x.abs(), y.abs()), z.abs()) };
         let r = Vec3::new(inverse(x, least), inverse(y, least), inverse(z, least));
         let start = Vec3::new(ray.o.x * r.x, ray.o.y * r.y, ray.o.z * r.z);
         let near = [u32::from(r.x < 0.0), u32::from(r.y < 0.0), u32::from(r.z < 0.0)];
@@ -112,7 +113,13 @@ impl Slabs {
 /// The reciprocal of a coordinate of the direction, which counts as `least` where it is smaller.
 #[inline(always)]
 fn inverse(d: f32, least: f32) -> f32 {
-    1.0 / d.abs().max(least).copysign(d)
+    1.0 / greater(d.abs(), least).copysign(d)
+}
+
+/// The greater of two that are no NaN: one instruction, where that of the standard library takes four.
+#[inline(always)]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// Where a ray enters the last of three slabs, or its interval.
@@ -129,11 +136,7 @@ fn nearest_of<L: Lanes, const ROBUST: bool>(x: L, y: L, z: L, tmin: L) -> L {
 /// Where a ray leaves the first of three slabs, or its interval.
 #[inline(always)]
 fn farthest_of<L: Lanes, const ROBUST: bool>(x: L, y: L, z: L, tmax: L) -> L {
-    if ROBUST {
-        z.min(y.min(x.min(tmax)))
-    } else {
-        x.min(y).min(z.min(tmax))
-    }
+    if ROBUST { z.min(y.min(x.min(tmax))) } else { x.min(y).min(z.min(tmax)) }
 }
 
 /// The places waiting that a tree of some depth can need: seven at each node on the way down. A power
@@ -148,6 +151,7 @@ pub(crate) const IN_FLIGHT: usize = 2;
 
 /// A ray on its way.
 #[derive(Clone, Copy)]
+#[repr(align(256))]
 struct Flight {
     /// Its number.
     number: usize,

@@ -150,7 +150,7 @@ fn closed_surfaces_stay_closed_for_a_watertight_method() {
                     .iter()
                     .flat_map(|feature| surface.aimed::<f32>(feature, &placement, 1, 100))
                     .collect();
-                for tracing in [Tracing::Fast, Tracing::Plain] {
+                for tracing in [Tracing::Single, Tracing::Plain] {
                     let found = traced(&tree, tracing, Culling::None, &rays);
                     let through = found.iter().filter(|hit| hit.is_none()).count();
                     assert_eq!(through, 0, "{} {placement:?} of {}", surface.name, rays.len());
@@ -166,7 +166,7 @@ fn fast_tracing_finds_nearly_always_the_same() {
     let bunny = Mesh::bunny();
     let rays = trisect_workloads::random_through_box(5, &bunny, 20_000).rays;
     let tree = tree::<MollerTrumbore>(&bunny.triangles);
-    let fast = traced(&tree, Tracing::Fast, Culling::None, &rays);
+    let fast = traced(&tree, Tracing::Single, Culling::None, &rays);
     let plain = traced(&tree, Tracing::Plain, Culling::None, &rays);
     let differ = fast
         .iter()
@@ -184,7 +184,7 @@ fn meshes_of_all_kinds_are_built_and_traced() {
     let unit = Triangle::<f32>::new([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
     let ray = Ray::<f32>::new([0.25, 0.25, 1.0], [0.0, 0.0, -1.0]);
     let hit = |triangles: &[Triangle<f32>], ray: Ray<f32>| {
-        traced(&tree::<MollerTrumbore>(triangles), Tracing::Fast, Culling::None, &[ray])[0]
+        traced(&tree::<MollerTrumbore>(triangles), Tracing::Single, Culling::None, &[ray])[0]
     };
     let number = |triangles: &[Triangle<f32>], ray| hit(triangles, ray).map(|hit| hit.triangle);
     assert_eq!(number(&[], ray), None);
@@ -219,7 +219,7 @@ fn meshes_of_all_kinds_are_built_and_traced() {
             .collect();
         let o = Vec3::new(0.25, 0.25, 1.0).scale(size);
         let ray = Ray::<f32>::new(o, [0.0, 0.0, -1.0]);
-        let found = traced(&tree::<Wald>(&scaled), Tracing::Fast, Culling::None, &[ray])[0];
+        let found = traced(&tree::<Wald>(&scaled), Tracing::Single, Culling::None, &[ray])[0];
         assert_eq!(found.map(|hit| hit.triangle), Some(0), "{size}");
     }
 }
@@ -237,7 +237,7 @@ fn rays_of_all_kinds_are_survived() {
         Ray { tmin: f32::NAN, ..inside },
         Ray { tmax: f32::NEG_INFINITY, ..inside },
     ]);
-    for tracing in [Tracing::Fast, Tracing::Plain] {
+    for tracing in [Tracing::Single, Tracing::Plain] {
         for (ray, found) in rays.iter().zip(traced(&tree, tracing, Culling::None, &rays)) {
             let Some(TriangleHit { hit, .. }) = found else { continue };
             assert!([hit.t, hit.beta, hit.gamma].iter().all(|x| x.is_finite()), "{ray:?}");
@@ -245,7 +245,7 @@ fn rays_of_all_kinds_are_survived() {
     }
     // Behind the origin as well, where the interval says so.
     let both_ways = Ray { tmin: f32::NEG_INFINITY, tmax: 0.0, ..inside };
-    let found = traced(&tree, Tracing::Fast, Culling::None, &[both_ways]);
+    let found = traced(&tree, Tracing::Single, Culling::None, &[both_ways]);
     assert!(found[0].is_some_and(|found| found.hit.t < 0.0));
 }
 
@@ -257,7 +257,7 @@ fn the_tree_does_not_depend_on_the_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
             let tree = tree::<MollerTrumbore>(&bunny.triangles);
-            (tree.statistics(), traced(&tree, Tracing::Fast, Culling::None, &rays))
+            (tree.statistics(), traced(&tree, Tracing::Single, Culling::None, &rays))
         })
     };
     assert_eq!(of_threads(1), of_threads(4));

@@ -186,10 +186,10 @@ fn build_parry(
 ) -> Result<(Box<dyn Contender>, Duration)> {
     let vertices: Vec<ParryVec3> =
         triangles.iter().flat_map(|triangle| triangle.corners()).map(parry_vector).collect();
-    let indices: Vec<[u32; 3]> =
-        (0..u32::try_from(triangles.len()).context("too many triangles for parry3d")?)
-            .map(|number| [3 * number, 3 * number + 1, 3 * number + 2])
-            .collect();
+    let indices: Vec<[u32; 3]> = (0..u32::try_from(triangles.len())
+        .context("too many triangles for parry3d")?)
+        .map(|number| [3 * number, 3 * number + 1, 3 * number + 2])
+        .collect();
     let (mesh, time) = timed(threads, || TriMesh::new(vertices, indices))?;
     let mesh = mesh.context("parry3d does not take the mesh")?;
     Ok((Box::new(Parry { mesh, rays: Vec::new(), kept: Kept::default() }), time))

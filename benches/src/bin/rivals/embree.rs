@@ -241,13 +241,19 @@ impl Embree {
         unsafe {
             let device = (interface.new_device)(configuration.as_ptr());
             ensure!(!device.is_null(), "Embree makes no device");
-            (interface.monitor_memory)(device, count_memory, std::ptr::from_ref(&*bytes).cast_mut().cast());
+            (interface.monitor_memory)(
+                device,
+                count_memory,
+                std::ptr::from_ref(&*bytes).cast_mut().cast(),
+            );
             let scene = (interface.new_scene)(device);
             (interface.set_quality)(scene, quality as u32);
             (interface.set_flags)(scene, if robust { SCENE_ROBUST } else { 0 });
             let geometry = (interface.new_geometry)(device, TRIANGLES);
-            let vertices = (interface.new_buffer)(geometry, BUFFER_VERTEX, 0, FORMAT_FLOAT3, 12, 3 * count);
-            let indices = (interface.new_buffer)(geometry, BUFFER_INDEX, 0, FORMAT_UINT3, 12, count);
+            let vertices =
+                (interface.new_buffer)(geometry, BUFFER_VERTEX, 0, FORMAT_FLOAT3, 12, 3 * count);
+            let indices =
+                (interface.new_buffer)(geometry, BUFFER_INDEX, 0, FORMAT_UINT3, 12, count);
             ensure!(!vertices.is_null() && !indices.is_null(), "Embree has no room for the mesh");
             let vertices = vertices.cast::<f32>();
             let corners = triangles.iter().flat_map(|triangle| triangle.corners());
@@ -303,7 +309,14 @@ impl Embree {
         for packet in &mut self.packets[Self::packets(rays)] {
             // SAFETY: the scene is committed, and the packet is laid out and aligned as the header
             // says.
-            unsafe { query(all.as_ptr(), self.scene, std::ptr::from_mut(packet).cast(), &raw const arguments) }
+            unsafe {
+                query(
+                    all.as_ptr(),
+                    self.scene,
+                    std::ptr::from_mut(packet).cast(),
+                    &raw const arguments,
+                )
+            }
         }
     }
 }
@@ -341,7 +354,8 @@ fn single(ray: &Ray<f32>) -> RtcRayHit {
 
 fn packet(rays: &[Ray<f32>]) -> RtcRayHit16 {
     // What fills up a packet has an empty interval.
-    let ray = |lane: usize| rays.get(lane).copied().unwrap_or(Ray { tmin: 1.0, tmax: 0.0, ..rays[0] });
+    let ray =
+        |lane: usize| rays.get(lane).copied().unwrap_or(Ray { tmin: 1.0, tmax: 0.0, ..rays[0] });
     let row = |value: fn(&Ray<f32>) -> f32| std::array::from_fn(|lane| value(&ray(lane)));
     RtcRayHit16 {
         ray: RtcRay16 {
@@ -392,7 +406,9 @@ impl Contender for Embree {
             for ray in &mut self.rays[rays] {
                 // SAFETY: the scene is committed, and the ray is laid out and aligned as the header
                 // says.
-                unsafe { (self.interface.intersect1)(self.scene, std::ptr::from_mut(ray).cast(), null()) }
+                unsafe {
+                    (self.interface.intersect1)(self.scene, std::ptr::from_mut(ray).cast(), null())
+                }
             }
         } else {
             self.run_packets(rays, self.interface.intersect16);
@@ -404,7 +420,11 @@ impl Contender for Embree {
             for ray in &mut self.rays[rays] {
                 // SAFETY: as above; a ray without room for a hit is enough.
                 unsafe {
-                    (self.interface.occluded1)(self.scene, std::ptr::from_mut(&mut ray.ray).cast(), null());
+                    (self.interface.occluded1)(
+                        self.scene,
+                        std::ptr::from_mut(&mut ray.ray).cast(),
+                        null(),
+                    );
                 }
             }
         } else {

@@ -19,7 +19,9 @@ use rand::SeedableRng as _;
 use rand_pcg::Pcg64;
 use trisect_catalog::Tracing;
 use trisect_core::{Culling, Ray};
-use trisect_workloads::{Light, Mesh, diffuse_bounce, occlusion, primary, random_through_box, read_rays};
+use trisect_workloads::{
+    Light, Mesh, diffuse_bounce, occlusion, primary, random_through_box, read_rays,
+};
 
 use crate::contender::{Entrant, Resident, build, race};
 use crate::report::{Class, Report};
@@ -92,7 +94,9 @@ fn run(arguments: &Arguments) -> Result<()> {
     let entrants = entrants(arguments)?;
     let threads = match arguments.threads {
         Some(threads) => usize::from(threads),
-        None => std::thread::available_parallelism().context("the processors cannot be counted")?.get(),
+        None => {
+            std::thread::available_parallelism().context("the processors cannot be counted")?.get()
+        }
     };
     let mut report = Report::new(threads, usize::from(arguments.repeat));
     for path in &arguments.mesh {
@@ -122,10 +126,18 @@ fn run(arguments: &Arguments) -> Result<()> {
             let times = pool.install(|| {
                 race(&mut residents, &rays, any, usize::from(arguments.repeat), &mut random)
             });
-            let answers: Vec<_> =
-                residents.iter().map(|resident: &Resident| resident.contender.answers(any)).collect();
+            let answers: Vec<_> = residents
+                .iter()
+                .map(|resident: &Resident| resident.contender.answers(any))
+                .collect();
             let settlement = settle(&rays, &mesh.triangles, &answers);
-            report.raced(Class { name, any, rays: rays.len() }, &residents, &times, &answers, settlement);
+            report.raced(
+                Class { name, any, rays: rays.len() },
+                &residents,
+                &times,
+                &answers,
+                settlement,
+            );
         }
     }
     report.print(arguments.json)

@@ -54,12 +54,12 @@ impl Contender for Ours {
 
     fn closest(&mut self, rays: Range<usize>) {
         let found = &mut self.closest[rays.clone()];
-        self.tree.closest(Tracing::Fast, Culling::None, &self.rays[rays], found);
+        self.tree.closest(Tracing::Single, Culling::None, &self.rays[rays], found);
     }
 
     fn any(&mut self, rays: Range<usize>) {
         let found = &mut self.any[rays.clone()];
-        self.tree.any(Tracing::Fast, Culling::None, &self.rays[rays], found);
+        self.tree.any(Tracing::Single, Culling::None, &self.rays[rays], found);
     }
 
     fn answers(&self, any: bool) -> Answers {

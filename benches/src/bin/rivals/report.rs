@@ -153,12 +153,17 @@ impl Report {
         }
         let Machine { cpu, instruction_sets, compiler, .. } = &self.machine;
         let best = instruction_sets.last().map_or("no instruction set", String::as_str);
-        writeln!(out, "{cpu}, {best}, {compiler}; built on {} thread(s), traced on one", self.threads)?;
+        writeln!(
+            out,
+            "{cpu}, {best}, {compiler}; built on {} thread(s), traced on one",
+            self.threads
+        )?;
         for built in &self.builds {
             writeln!(out, "\n{}: {} triangles", built.mesh, built.triangles)?;
             writeln!(out, "{:24} {:>10} {:>10}", "tree", "ms", "MB")?;
             for BuiltTree { name, median_ms, bytes, .. } in &built.contenders {
-                let bytes = bytes.map_or("-".to_owned(), |bytes| format!("{:.1}", bytes as f64 / 1e6));
+                let bytes =
+                    bytes.map_or("-".to_owned(), |bytes| format!("{:.1}", bytes as f64 / 1e6));
                 writeln!(out, "{name:24} {median_ms:>10.1} {bytes:>10}")?;
             }
             for race in self.races.iter().filter(|race| race.mesh == built.mesh) {
@@ -179,7 +184,11 @@ impl Report {
             names
         };
         let reference = first.reference();
-        writeln!(out, "\nspeed over {}, geometric mean of the meshes", first.contenders[reference].name)?;
+        writeln!(
+            out,
+            "\nspeed over {}, geometric mean of the meshes",
+            first.contenders[reference].name
+        )?;
         write!(out, "{:24}", "")?;
         for class in &classes {
             write!(out, " {class:>10}")?;
@@ -188,8 +197,12 @@ impl Report {
         for (place, contender) in first.contenders.iter().enumerate() {
             write!(out, "{:24}", contender.name)?;
             let of = |class: Option<&str>| {
-                let races = self.races.iter().filter(|race| class.is_none_or(|class| race.class.name == class));
-                geometric_mean(races.map(|race| race.contenders[place].times[reference])).unwrap_or(f64::NAN)
+                let races = self
+                    .races
+                    .iter()
+                    .filter(|race| class.is_none_or(|class| race.class.name == class));
+                geometric_mean(races.map(|race| race.contenders[place].times[reference]))
+                    .unwrap_or(f64::NAN)
             };
             for class in &classes {
                 write!(out, " {:>10.2}", of(Some(class)))?;
@@ -222,7 +235,8 @@ impl Race {
         )?;
         let reference = self.reference();
         for contender in &self.contenders {
-            let Verdict { close, neighbour, missed, invented, farther, elsewhere, .. } = contender.verdict;
+            let Verdict { close, neighbour, missed, invented, farther, elsewhere, .. } =
+                contender.verdict;
             writeln!(
                 out,
                 "{:24} {:>8.2} {:>6.2} {:>8} {close:>6} {neighbour:>6} {missed:>6} {:>6}",
