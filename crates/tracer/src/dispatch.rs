@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use trisect_core::{Culling, Fused, Lanes, Method, Plain, Ray, Token, Vector};
 
 use crate::bvh::{Bvh, Statistics};
-use crate::traverse::{Found, TriangleHit, trace};
+use crate::stream::{Lists, stream};
+use crate::traveller::{Found, Traveller, TriangleHit};
 
 /// How a batch of rays is traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +22,11 @@ pub enum Tracing {
 }
 
 /// Rays that one thread takes at a time.
-const CHUNK: usize = 1024;
+const CHUNK: usize = 4096;
+/// Rays that go together: so many that they share much, and few enough for the second cache.
+const STREAM: usize = 4096;
+/// Rays that are prepared before they go, each on its own: few enough for the first cache.
+const SINGLES: usize = 64;
 
 /// Something to do on lanes of choice.
 trait Job {
@@ -62,25 +67,44 @@ fn on_plain_lanes<J: Job>(job: J) -> J::Output {
 }
 
 /// Rays and where their hits go.
-struct Batch<'a, M: Method, T, const ANY: bool, const ROBUST: bool> {
+struct Batch<'a, M: Method, T, const ANY: bool, const ROBUST: bool, const STREAMS: bool> {
     bvh: &'a Bvh<M>,
     rays: &'a [Ray<f32>],
+    together: bool,
     culling: Culling,
     found: &'a mut [T],
 }
 
-impl<M: Method, T: Found, const ANY: bool, const ROBUST: bool> Job
-    for Batch<'_, M, T, ANY, ROBUST>
+impl<M, T, const ANY: bool, const ROBUST: bool, const STREAMS: bool> Job
+    for Batch<'_, M, T, ANY, ROBUST, STREAMS>
+where
+    M: Method,
+    T: Found,
 {
     type Output = ();
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
-        let Self { bvh, rays, culling, found } = self;
+        let Self { bvh, rays, together, culling, found } = self;
         token.run(
             #[inline(always)]
             || {
-                // Known when it is compiled, where nothing is culled.
+                // Known when it is compiled, where nothing is culled or nothing goes together.
                 let culling = if ROBUST { culling } else { Culling::None };
-                trace::<M, L, T, ANY, ROBUST>(bvh, token, rays, culling, found);
+                let together = STREAMS && together;
+                let chunk = if together { STREAM } else { SINGLES }.min(rays.len()).max(1);
+                let mut lists = Lists::new(bvh.depth);
+                let mut travellers = vec![Traveller::NOBODY; chunk];
+                for (rays, found) in rays.chunks(chunk).zip(found.chunks_mut(chunk)) {
+                    let travellers = &mut travellers[..rays.len()];
+                    for (traveller, ray) in travellers.iter_mut().zip(rays) {
+                        traveller.become_ray::<ROBUST>(ray);
+                    }
+                    stream::<M, L, ANY, ROBUST>(
+                        bvh, token, culling, travellers, together, &mut lists,
+                    );
+                    for (traveller, found) in travellers.iter().zip(found) {
+                        *found = T::of(traveller.best());
+                    }
+                }
             },
         );
     }
@@ -141,11 +165,13 @@ impl<M: Method> Bvh<M> {
     ) {
         assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
         let fast = tracing != Tracing::Plain && culling == Culling::None;
+        let together = tracing == Tracing::Stream;
         rays.par_chunks(CHUNK).zip(found.par_chunks_mut(CHUNK)).for_each(|(rays, found)| {
-            let rest = if fast { self.fast::<T, ANY>(rays, found) } else { Some(found) };
+            let rest = if fast { self.fast::<T, ANY>(rays, together, found) } else { Some(found) };
             if let Some(found) = rest {
                 // The nearest hit is one as well: one instance less.
-                let plain = Batch::<M, T, false, true> { bvh: self, rays, culling, found };
+                let plain =
+                    Batch::<M, T, false, true, false> { bvh: self, rays, together, culling, found };
                 on_plain_lanes(plain);
             }
         });
@@ -155,14 +181,17 @@ impl<M: Method> Bvh<M> {
     fn fast<'a, T: Found, const ANY: bool>(
         &'a self,
         rays: &'a [Ray<f32>],
+        together: bool,
         found: &'a mut [T],
     ) -> Option<&'a mut [T]> {
         let culling = Culling::None;
         if const { M::INFO.claims.watertight } {
-            let batch = Batch::<M, T, ANY, true> { bvh: self, rays, culling, found };
+            let batch =
+                Batch::<M, T, ANY, true, true> { bvh: self, rays, together, culling, found };
             on_fast_lanes(batch).err().map(|batch| batch.found)
         } else {
-            let batch = Batch::<M, T, ANY, false> { bvh: self, rays, culling, found };
+            let batch =
+                Batch::<M, T, ANY, false, true> { bvh: self, rays, together, culling, found };
             on_fast_lanes(batch).err().map(|batch| batch.found)
         }
     }

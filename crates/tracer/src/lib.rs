@@ -5,8 +5,10 @@ mod bounds;
 mod build;
 mod bvh;
 mod dispatch;
-mod traverse;
+mod single;
+mod stream;
+mod traveller;
 
 pub use bvh::{Bvh, Statistics};
 pub use dispatch::{Tracing, Tree};
-pub use traverse::TriangleHit;
+pub use traveller::TriangleHit;

@@ -1,0 +1,242 @@
+//! Rays through the tree, each on its own way.
+
+use trisect_core::{Culling, Lanes, Method};
+
+use crate::bvh::{Bvh, Child, Node, WIDTH, child};
+use crate::traveller::Traveller;
+
+/// What waits to be visited: the distance in the upper half, the child in the lower.
+type Waiting = u64;
+
+/// Rays that are on their way at the same time: while one waits for the outcome of its last test, the
+/// other goes on. More than two gained nothing: a processor foretells the branches of one ray, not of
+/// many mixed.
+const IN_FLIGHT: usize = 2;
+
+/// Room for what waits.
+pub(crate) struct Stacks {
+    /// For each ray in flight, a power of two.
+    room: usize,
+    items: Vec<Waiting>,
+}
+
+impl Stacks {
+    /// For trees of a depth: seven wait at each node on the way down.
+    pub(crate) fn new(depth: usize) -> Self {
+        let room = (depth * (WIDTH - 1) + WIDTH).next_power_of_two();
+        Self { room, items: vec![0; room * IN_FLIGHT] }
+    }
+}
+
+/// Where a ray is.
+#[derive(Clone, Copy)]
+struct Flight {
+    /// Its number.
+    number: u32,
+    /// The node that was visited last.
+    node: u32,
+    /// Its children that the ray meets, in bits, and where. They are looked at when it is the ray's
+    /// turn again: by then they are known, and a branch on them that was predicted wrongly costs little.
+    met: u64,
+    distances: [f32; WIDTH],
+    /// How many wait.
+    waiting: usize,
+}
+
+impl Flight {
+    const NOWHERE: Self = Self { number: 0, node: 0, met: 0, distances: [0.0; WIDTH], waiting: 0 };
+
+    /// Sets out for a node or a leaf.
+    #[inline(always)]
+    fn start(&mut self, number: u32, from: u32, stack: &mut [Waiting]) {
+        self.number = number;
+        self.met = 0;
+        self.waiting = 1;
+        stack[0] = u64::from(f32::NEG_INFINITY.to_bits()) << 32 | u64::from(from);
+    }
+
+    /// Visits a node or a leaf; whether the ray has arrived.
+    #[inline(always)]
+    fn step<M, L, const ANY: bool, const ROBUST: bool>(
+        &mut self,
+        bvh: &Bvh<M>,
+        token: L::Token,
+        culling: Culling,
+        traveller: &mut Traveller,
+        stack: &mut [Waiting],
+    ) -> bool
+    where
+        M: Method,
+        L: Lanes<Elem = f32>,
+    {
+        let mut waiting = Stack { items: stack, count: self.waiting };
+        let current = if self.met != 0 {
+            let node = &bvh.nodes[self.node as usize];
+            waiting.descend::<ANY>(node, self.met, &self.distances)
+        } else {
+            // What begins behind the best hit is not worth a visit any more.
+            loop {
+                let Some(item) = waiting.pop() else { return true };
+                if ANY || distance(item) <= traveller.tmax() {
+                    break low(item);
+                }
+            }
+        };
+        self.waiting = waiting.count;
+        match child(current) {
+            Child::Node(place) => {
+                self.node = current;
+                let node = &bvh.nodes[place];
+                (self.met, self.distances) =
+                    traveller.meet::<L, ROBUST>(token, node, traveller.octant());
+            }
+            Child::Leaf(first, count) => {
+                self.met = 0;
+                let blocks = first..first + count;
+                traveller.test_leaf::<M, L, ANY, ROBUST>(bvh, token, blocks, culling);
+                return ANY && traveller.has_hit();
+            }
+        }
+        false
+    }
+}
+
+/// Sends travellers, of the given numbers, to a node or a leaf and all that is below it: to the nearest
+/// hit of each, of equally near ones that of the lowest number; to any hit where `ANY`. The tests of
+/// boxes allow for rounding where `ROBUST`.
+#[inline(always)]
+pub(crate) fn fly<M, L, const ANY: bool, const ROBUST: bool>(
+    bvh: &Bvh<M>,
+    token: L::Token,
+    culling: Culling,
+    travellers: &mut [Traveller],
+    numbers: &[u32],
+    from: u32,
+    stacks: &mut Stacks,
+) where
+    M: Method,
+    L: Lanes<Elem = f32>,
+{
+    let room = stacks.room;
+    let mut flights = [Flight::NOWHERE; IN_FLIGHT];
+    let mut next = numbers.len().min(IN_FLIGHT);
+    let mut count = next;
+    for (at, &number) in numbers[..next].iter().enumerate() {
+        flights[at].start(number, from, &mut stacks.items[at * room..][..room]);
+    }
+    while count > 0 {
+        let mut at = 0;
+        while at < count {
+            let flight = &mut flights[at];
+            let stack = &mut stacks.items[at * room..][..room];
+            let traveller = &mut travellers[flight.number as usize];
+            if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, traveller, stack) {
+                if let Some(&number) = numbers.get(next) {
+                    flight.start(number, from, stack);
+                    next += 1;
+                } else {
+                    // The last one moves to its place, with what waits for it.
+                    count -= 1;
+                    flights[at] = flights[count];
+                    stacks.items.copy_within(count * room..(count + 1) * room, at * room);
+                    continue;
+                }
+            }
+            at += 1;
+        }
+    }
+}
+
+/// What waits to be visited. Its room is a power of two that the tree cannot exceed, so that a place
+/// is found by a mask.
+struct Stack<'a> {
+    items: &'a mut [Waiting],
+    count: usize,
+}
+
+impl Stack<'_> {
+    #[inline(always)]
+    fn push(&mut self, item: Waiting) {
+        let mask = self.items.len() - 1;
+        self.items[self.count & mask] = item;
+        self.count += 1;
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<Waiting> {
+        if self.count == 0 {
+            return None;
+        }
+        self.count -= 1;
+        let mask = self.items.len() - 1;
+        Some(self.items[self.count & mask])
+    }
+
+    /// The child to visit next, of those that are met: the nearest, or any where that is all the same.
+    /// The others wait, the nearer above the farther.
+    #[inline(always)]
+    fn descend<const ANY: bool>(
+        &mut self,
+        node: &Node,
+        mut met: u64,
+        distances: &[f32; WIDTH],
+    ) -> u32 {
+        let first = lowest(met);
+        met &= met - 1;
+        if met == 0 {
+            return node.children[first];
+        }
+        if ANY {
+            while met != 0 {
+                self.push(u64::from(node.children[lowest(met)]));
+                met &= met - 1;
+            }
+            return node.children[first];
+        }
+        let mut nearest = item(node, distances, first);
+        let base = self.count;
+        loop {
+            let other = item(node, distances, lowest(met));
+            met &= met - 1;
+            // By insertion: those that are nearer than the new one move up.
+            let far = nearest.max(other);
+            nearest = nearest.min(other);
+            let mask = self.items.len() - 1;
+            let mut place = self.count;
+            while place > base && self.items[(place - 1) & mask] < far {
+                self.items[place & mask] = self.items[(place - 1) & mask];
+                place -= 1;
+            }
+            self.items[place & mask] = far;
+            self.count += 1;
+            if met == 0 {
+                return low(nearest);
+            }
+        }
+    }
+}
+
+/// The place of the lowest bit.
+#[inline(always)]
+fn lowest(bits: u64) -> usize {
+    bits.trailing_zeros() as usize % WIDTH
+}
+
+/// A child with its distance in front, so that numbers are in the order of distances: of those that are
+/// not negative; the others are near enough to be in any order.
+#[inline(always)]
+fn item(node: &Node, distances: &[f32; WIDTH], lane: usize) -> Waiting {
+    u64::from(distances[lane].to_bits()) << 32 | u64::from(node.children[lane])
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "the upper half")]
+#[inline(always)]
+fn distance(item: Waiting) -> f32 {
+    f32::from_bits((item >> 32) as u32)
+}
+
+#[allow(clippy::cast_possible_truncation, reason = "the lower half")]
+#[inline(always)]
+fn low(item: Waiting) -> u32 {
+    item as u32
+}
