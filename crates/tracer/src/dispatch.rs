@@ -91,7 +91,7 @@ where
                 let culling = if ROBUST { culling } else { Culling::None };
                 let together = STREAMS && together;
                 let chunk = if together { STREAM } else { SINGLES }.min(rays.len()).max(1);
-                let mut lists = Lists::new(bvh.depth);
+                let mut lists = Lists::new(bvh.depth, chunk);
                 let mut travellers = vec![Traveller::NOBODY; chunk];
                 for (rays, found) in rays.chunks(chunk).zip(found.chunks_mut(chunk)) {
                     let travellers = &mut travellers[..rays.len()];

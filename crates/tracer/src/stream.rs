@@ -26,11 +26,13 @@ pub(crate) struct Lists {
     /// The rays that look into each octant.
     octants: [Vec<u32>; 8],
     waiting: Vec<List>,
-    /// The numbers of all that wait, list after list.
+    /// All that wait, list after list, and room for more.
     numbers: Vec<u32>,
     /// Where each enters the box that it waits for.
     entries: Vec<f32>,
-    /// Those at the node that is visited,
+    /// How many wait.
+    count: usize,
+    /// Those at the node that is visited, and room for more,
     here: Vec<u32>,
     /// the children that they meet, in bits,
     met: Vec<u8>,
@@ -39,56 +41,82 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    /// For trees of a depth.
-    pub(crate) fn new(depth: usize) -> Self {
+    /// For trees of a depth, and so many rays at a time.
+    pub(crate) fn new(depth: usize, rays: usize) -> Self {
         Self {
             stacks: Stacks::new(depth),
             octants: Default::default(),
             waiting: Vec::new(),
             numbers: Vec::new(),
             entries: Vec::new(),
-            here: Vec::new(),
-            met: Vec::new(),
-            distances: Vec::new(),
+            count: 0,
+            here: vec![0; rays],
+            met: vec![0; rays],
+            distances: vec![[0.0; WIDTH]; rays],
         }
+    }
+
+    /// Room for so many rays more.
+    #[inline(always)]
+    fn reserve(&mut self, more: usize) {
+        if self.numbers.len() < self.count + more {
+            self.numbers.resize(2 * (self.count + more), 0);
+            self.entries.resize(2 * (self.count + more), 0.0);
+        }
+    }
+
+    /// Puts the rays of an octant on the list of the root, and says where they look.
+    #[inline(always)]
+    fn start(&mut self, octant: usize, travellers: &[Traveller]) -> Vec3<f32> {
+        let rays = std::mem::take(&mut self.octants[octant]);
+        self.reserve(rays.len());
+        let mut towards = Vec3::new(0.0, 0.0, 0.0);
+        for (place, &number) in rays.iter().enumerate() {
+            self.numbers[place] = number;
+            self.entries[place] = f32::NEG_INFINITY;
+            towards = towards + unit(travellers[number as usize].direction());
+        }
+        self.count = rays.len();
+        self.waiting.push(List { child: 0, start: 0 });
+        self.octants[octant] = rays;
+        self.octants[octant].clear();
+        towards
     }
 
     /// Takes the rays of the uppermost list that still have something to find there, and says what they
-    /// waited for.
+    /// waited for, and how many they are.
     #[inline(always)]
-    fn pop(&mut self, travellers: &[Traveller]) -> Option<u32> {
+    fn pop(&mut self, travellers: &[Traveller]) -> Option<(u32, usize)> {
         let List { child, start } = self.waiting.pop()?;
-        let waiting = self.numbers.len() - start;
-        self.here.clear();
-        self.here.resize(waiting, 0);
+        let (numbers, entries) =
+            (&self.numbers[start..self.count], &self.entries[start..self.count]);
+        let here = &mut self.here[..numbers.len()];
         let mut count = 0;
-        for (&number, &entry) in self.numbers[start..].iter().zip(&self.entries[start..]) {
+        for (&number, &entry) in numbers.iter().zip(entries) {
             // Always written, and kept where it counts.
-            self.here[count] = number;
+            here[count] = number;
             count += usize::from(entry <= travellers[number as usize].tmax());
         }
-        self.here.truncate(count);
-        self.numbers.truncate(start);
-        self.entries.truncate(start);
-        Some(child)
+        self.count = start;
+        Some((child, count))
     }
 
-    /// Puts those that are here and meet a child on a list of their own.
+    /// Puts those of the first `here` that meet a child on a list of their own.
     #[inline(always)]
-    fn push(&mut self, node: &Node, lane: usize) {
-        let start = self.numbers.len();
-        self.numbers.resize(start + self.here.len(), 0);
-        self.entries.resize(start + self.here.len(), 0.0);
-        let (numbers, entries) = (&mut self.numbers[start..], &mut self.entries[start..]);
+    fn push(&mut self, here: usize, node: &Node, lane: usize) {
+        self.reserve(here);
+        let start = self.count;
+        let numbers = &mut self.numbers[start..start + here];
+        let entries = &mut self.entries[start..start + here];
+        let (all, met) = (&self.here[..here], &self.met[..here]);
         let mut count = 0;
-        for ((&number, &met), distances) in self.here.iter().zip(&self.met).zip(&self.distances) {
+        for ((&number, &met), distances) in all.iter().zip(met).zip(&self.distances[..here]) {
             // Always written, and kept where it is met.
             numbers[count] = number;
             entries[count] = distances[lane];
             count += usize::from(met >> lane & 1);
         }
-        self.numbers.truncate(start + count);
-        self.entries.truncate(start + count);
+        self.count = start + count;
         self.waiting.push(List { child: node.children[lane], start });
     }
 }
@@ -114,24 +142,16 @@ pub(crate) fn stream<M, L, const ANY: bool, const ROBUST: bool>(
         }
     }
     for octant in 0..8 {
-        lists.numbers.append(&mut lists.octants[octant]);
+        let towards = lists.start(octant, travellers);
         let octant = Octant::of(octant);
-        let mut towards = Vec3::new(0.0, 0.0, 0.0);
-        if together {
-            for &number in &lists.numbers {
-                towards = towards + unit(travellers[number as usize].direction());
-            }
-        }
-        lists.entries.resize(lists.numbers.len(), f32::NEG_INFINITY);
-        lists.waiting.push(List { child: 0, start: 0 });
-        while let Some(from) = lists.pop(travellers) {
-            if !together || lists.here.len() <= FEW {
+        while let Some((from, here)) = lists.pop(travellers) {
+            if !together || here <= FEW {
                 fly::<M, L, ANY, ROBUST>(
                     bvh,
                     token,
                     culling,
                     travellers,
-                    &lists.here,
+                    &lists.here[..here],
                     from,
                     &mut lists.stacks,
                 );
@@ -139,7 +159,7 @@ pub(crate) fn stream<M, L, const ANY: bool, const ROBUST: bool>(
             }
             match child(from) {
                 Child::Leaf(first, count) => {
-                    for &number in &lists.here {
+                    for &number in &lists.here[..here] {
                         let traveller = &mut travellers[number as usize];
                         let blocks = first..first + count;
                         traveller.test_leaf::<M, L, ANY, ROBUST>(bvh, token, blocks, culling);
@@ -147,12 +167,10 @@ pub(crate) fn stream<M, L, const ANY: bool, const ROBUST: bool>(
                 }
                 Child::Node(place) => {
                     let node = &bvh.nodes[place];
-                    let here = lists.here.len();
-                    lists.met.resize(here, 0);
-                    lists.distances.resize(here, [0.0; WIDTH]);
-                    let places = lists.met.iter_mut().zip(&mut lists.distances);
+                    let met = lists.met[..here].iter_mut();
+                    let places = met.zip(&mut lists.distances[..here]);
                     let mut any = 0;
-                    for (&number, (met, distances)) in lists.here.iter().zip(places) {
+                    for (&number, (met, distances)) in lists.here[..here].iter().zip(places) {
                         let bits;
                         (bits, *distances) =
                             travellers[number as usize].meet::<L, ROBUST>(token, node, octant);
@@ -161,10 +179,16 @@ pub(crate) fn stream<M, L, const ANY: bool, const ROBUST: bool>(
                         *met = bits;
                         any |= bits;
                     }
-                    // The nearest is visited first.
-                    for lane in farthest_first(node, towards) {
-                        if any >> lane & 1 == 1 {
-                            lists.push(node, lane);
+                    if ANY {
+                        while any != 0 {
+                            lists.push(here, node, any.trailing_zeros() as usize);
+                            any &= any - 1;
+                        }
+                    } else {
+                        // The nearest is visited first.
+                        let (order, count) = farthest_first(node, any, towards);
+                        for &lane in &order[..count] {
+                            lists.push(here, node, lane as usize % WIDTH);
                         }
                     }
                 }
@@ -179,23 +203,28 @@ fn unit(d: Vec3<f32>) -> Vec3<f32> {
     d.scale(1.0 / (d.x.abs() + d.y.abs() + d.z.abs()))
 }
 
-/// The children of a node in the order of their middles along a direction, from the far end.
+/// Some children of a node, in bits, in the order of their middles along a direction from the far end;
+/// and how many.
 #[inline(always)]
-fn farthest_first(node: &Node, towards: Vec3<f32>) -> [usize; WIDTH] {
-    let mut keys = [0_u64; WIDTH];
-    for (lane, key) in keys.iter_mut().enumerate() {
-        let middle = |axis: usize| node.bounds[axis][0][lane] + node.bounds[axis][1][lane];
-        let along = middle(0) * towards.x + middle(1) * towards.y + middle(2) * towards.z;
-        // In the order of the numbers: negative ones from below.
-        let bits = along.to_bits();
-        let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
-        *key = u64::from(!ordered) << 32 | lane as u64;
+fn farthest_first(node: &Node, mut some: u8, towards: Vec3<f32>) -> ([u32; WIDTH], usize) {
+    let (mut order, mut along, mut count) = ([0; WIDTH], [0.0; WIDTH], 0);
+    while some != 0 {
+        let lane = some.trailing_zeros();
+        some &= some - 1;
+        let at = lane as usize % WIDTH;
+        let [x, y, z] = &node.bounds;
+        let key = (x[0][at] + x[1][at]) * towards.x
+            + (y[0][at] + y[1][at]) * towards.y
+            + (z[0][at] + z[1][at]) * towards.z;
+        let mut place = count;
+        while place > 0 && along[place - 1] < key {
+            along[place] = along[place - 1];
+            order[place] = order[place - 1];
+            place -= 1;
+        }
+        along[place] = key;
+        order[place] = lane;
+        count += 1;
     }
-    keys.sort_unstable();
-    let mut order = [0; WIDTH];
-    #[allow(clippy::cast_possible_truncation, reason = "eight lanes")]
-    for (place, key) in order.iter_mut().zip(keys) {
-        *place = (key % WIDTH as u64) as usize;
-    }
-    order
+    (order, count)
 }
