@@ -3,6 +3,7 @@
 use trisect_core::{Method, Of};
 
 use crate::bounds::Bounds;
+use crate::build::Builder;
 
 /// Children of a node, and triangles of a block.
 pub(crate) const WIDTH: usize = 8;
@@ -37,6 +38,12 @@ impl Node {
             self.bounds[2 * axis + 1][lane] = bounds.max[axis];
         }
         self.children[lane] = child;
+    }
+
+    /// The box of a child.
+    pub(crate) fn bounds_of(&self, lane: usize) -> Bounds {
+        let corner = |row: usize| [0, 2, 4].map(|axis| self.bounds[axis + row][lane]);
+        Bounds { min: corner(0), max: corner(1) }
     }
 }
 
@@ -85,15 +92,31 @@ pub struct Bvh<M: Method> {
     /// Nodes on the longest way down.
     pub(crate) depth: usize,
     pub(crate) bounds: Bounds,
+    pub(crate) origin: Origin,
+}
+
+/// What the tree was built from.
+pub(crate) struct Origin {
+    pub(crate) builder: Builder,
+    /// How many triangles there were.
+    pub(crate) triangles: usize,
+    /// The numbers of those that nothing could hit.
+    pub(crate) left_out: Vec<u32>,
+    /// Triangles in leaves, in each one of them once.
+    pub(crate) references: usize,
 }
 
 /// Facts about a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
+    /// What built it.
+    pub builder: Builder,
     /// Wide nodes.
     pub nodes: usize,
     /// Blocks of eight triangles.
     pub blocks: usize,
+    /// Triangles in leaves; those whose space was split count in each leaf that they are in.
+    pub references: usize,
     /// Nodes on the longest way down.
     pub depth: usize,
     /// Bytes of nodes and blocks.
@@ -110,8 +133,7 @@ impl<M: Method> Bvh<M> {
         let mut cost = 1.0;
         for node in &self.nodes {
             for lane in 0..WIDTH {
-                let corner = |row: usize| [0, 2, 4].map(|axis| node.bounds[axis + row][lane]);
-                let bounds = Bounds { min: corner(0), max: corner(1) };
+                let bounds = node.bounds_of(lane);
                 let share = f64::from(bounds.half_area()) / whole;
                 if share.is_finite() {
                     cost += share
@@ -123,8 +145,10 @@ impl<M: Method> Bvh<M> {
             }
         }
         Statistics {
+            builder: self.origin.builder,
             nodes: self.nodes.len(),
             blocks: self.blocks.len(),
+            references: self.origin.references,
             depth: self.depth,
             bytes: size_of_val(&self.nodes[..])
                 + size_of_val(&self.blocks[..])

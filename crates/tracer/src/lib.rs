@@ -7,6 +7,7 @@ mod bvh;
 mod dispatch;
 mod traverse;
 
+pub use build::{Builder, RefitError, UnknownBuilder};
 pub use bvh::{Bvh, Statistics};
 pub use dispatch::{Tracing, Tree};
 pub use traverse::TriangleHit;
