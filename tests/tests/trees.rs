@@ -1,6 +1,6 @@
 //! A tree finds for every method what testing every triangle finds.
 
-use trisect_catalog::{Tracing, entries};
+use trisect_catalog::{Builder, Tracing, entries};
 use trisect_core::{Culling, Hit, Output};
 use trisect_workloads::{Mesh, MeshFormat};
 
@@ -21,31 +21,35 @@ fn every_method_in_a_tree_finds_what_it_finds_without() {
     for entry in entries() {
         let kernels = &entry.f32;
         let Ok(scene) = (kernels.prepare)(&mesh.triangles, &rays) else {
-            assert!((entry.tree)(&mesh.triangles).is_err(), "{}", entry.info.name);
+            assert!((entry.tree)(&mesh.triangles, Builder::Binned).is_err(), "{}", entry.info.name);
             continue;
         };
         let finder = kernels.plain_finder(None, None).expect("one is compiled everywhere");
-        let tree = (entry.tree)(&mesh.triangles).expect("the method takes the mesh");
+        let trees = Builder::ALL.map(|builder| {
+            (entry.tree)(&mesh.triangles, builder).expect("the method takes the mesh")
+        });
         for culling in [Culling::None, Culling::Back, Culling::Front] {
             let all = finder.closest(&scene, culling, rays.len());
-            let mut found = vec![None; rays.len()];
-            tree.closest(Tracing::Plain, culling, &rays, &mut found);
-            let mut any = vec![false; rays.len()];
-            tree.any(Tracing::Plain, culling, &rays, &mut any);
-            for ((all, found), any) in all.iter().zip(&found).zip(any) {
-                let weighs = entry.info.gives(Output::Barycentrics);
-                let given = |triangle: u32, hit: Hit<f64>| {
-                    (triangle, hit.t, weighs.then_some([hit.beta, hit.gamma]))
-                };
-                let all = all.map(|(triangle, hit)| given(triangle, hit));
-                let found = found.map(|found| {
-                    let [t, beta, gamma] =
-                        [found.hit.t, found.hit.beta, found.hit.gamma].map(f64::from);
-                    given(found.triangle, Hit { t, beta, gamma })
-                });
-                assert_eq!(found, all, "{}, {culling:?}", entry.info.name);
-                assert_eq!(any, all.is_some(), "{}, {culling:?}", entry.info.name);
-                met += usize::from(any);
+            for (tree, builder) in trees.iter().zip(Builder::ALL) {
+                let mut found = vec![None; rays.len()];
+                tree.closest(Tracing::Plain, culling, &rays, &mut found);
+                let mut any = vec![false; rays.len()];
+                tree.any(Tracing::Plain, culling, &rays, &mut any);
+                for ((all, found), any) in all.iter().zip(&found).zip(any) {
+                    let weighs = entry.info.gives(Output::Barycentrics);
+                    let given = |triangle: u32, hit: Hit<f64>| {
+                        (triangle, hit.t, weighs.then_some([hit.beta, hit.gamma]))
+                    };
+                    let all = all.map(|(triangle, hit)| given(triangle, hit));
+                    let found = found.map(|found| {
+                        let [t, beta, gamma] =
+                            [found.hit.t, found.hit.beta, found.hit.gamma].map(f64::from);
+                        given(found.triangle, Hit { t, beta, gamma })
+                    });
+                    assert_eq!(found, all, "{}, {builder}, {culling:?}", entry.info.name);
+                    assert_eq!(any, all.is_some(), "{}, {builder}, {culling:?}", entry.info.name);
+                    met += usize::from(any);
+                }
             }
         }
     }

@@ -12,7 +12,7 @@ use trisect_core::{
     Method, Needs, Output, PADDING, Packets, Precision, PreparedTriangles, Ray, Scalar, Tested,
     Token, Triangle, UnsuitableMesh, intersect_with, one_ray, one_triangle, shared_packets,
 };
-use trisect_tracer::{Bvh, Tree};
+use trisect_tracer::{Builder, Bvh, Tree};
 
 /// Which way round the lanes are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -317,8 +317,11 @@ pub(crate) trait Instances: Method {
     }
 
     /// Puts triangles in a tree.
-    fn tree(triangles: &[Triangle<f32>]) -> Result<Box<dyn Tree>, UnsuitableMesh> {
-        Ok(Box::new(Bvh::<Self>::build(triangles)?))
+    fn tree(
+        triangles: &[Triangle<f32>],
+        builder: Builder,
+    ) -> Result<Box<dyn Tree>, UnsuitableMesh> {
+        Ok(Box::new(Bvh::<Self>::build(triangles, builder)?))
     }
 
     /// A [`FlushingTest`](crate::FlushingTest).

@@ -16,7 +16,7 @@ use trisect_core::{
 use kernel::Instances as _;
 pub use kernel::{Arrangement, Find, Finder, Kernel, Lane, Scene, Tally, Variant};
 
-pub use trisect_tracer::{Statistics, Tracing, Tree, TriangleHit};
+pub use trisect_tracer::{Builder, Statistics, Tracing, Tree, TriangleHit};
 
 include!(concat!(env!("OUT_DIR"), "/methods.rs"));
 
@@ -37,7 +37,7 @@ pub struct Entry {
 }
 
 /// Puts triangles in a tree.
-pub type BuildTree = fn(&[Triangle<f32>]) -> Result<Box<dyn Tree>, UnsuitableMesh>;
+pub type BuildTree = fn(&[Triangle<f32>], Builder) -> Result<Box<dyn Tree>, UnsuitableMesh>;
 
 /// A test of one ray against one triangle in [`Flushing`](trisect_core::Flushing) arithmetic.
 pub type FlushingTest = fn(&Ray<f32>, &Triangle<f32>) -> Option<Hit<f64>>;

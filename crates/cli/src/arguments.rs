@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use trisect_catalog::Builder;
 
 /// Compares ray–triangle intersection methods on this machine: error against run time.
 ///
@@ -197,6 +199,12 @@ fn count(text: &str) -> Result<u64, String> {
     }
 }
 
+/// Lists the builders in help and completions.
+fn builders() -> impl TypedValueParser<Value = Builder> {
+    PossibleValuesParser::new(Builder::ALL.map(Builder::name))
+        .map(|name| name.parse().expect("it is listed"))
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct Trace {
     /// Mesh: PLY, OBJ, STL or glTF
@@ -208,6 +216,9 @@ pub(crate) struct Trace {
     /// A method of `trisect list`
     #[arg(long, value_name = "NAME", default_value = "moller-trumbore")]
     pub method: String,
+    /// How the tree is built: the quickest to build, or the fastest to trace
+    #[arg(long, value_name = "NAME", default_value_t, value_parser = builders())]
+    pub builder: Builder,
     /// Any hit instead of the closest
     #[arg(long)]
     pub any: bool,

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use anyhow::{Result, anyhow, bail};
 use rayon::prelude::*;
 use serde::Serialize;
-use trisect_catalog::{Entry, Finder, Kernels, Lane, Tracing, TriangleHit};
+use trisect_catalog::{Builder, Entry, Finder, Kernels, Lane, Tracing, TriangleHit};
 use trisect_core::{
     Culling, Hit, Output, Precision, Ray, Scalar as _, Triangle, UnsuitableMesh, Vec3,
 };
@@ -132,7 +132,8 @@ fn in_tree_of(
     triangles: &[Triangle<f32>],
     culling: Culling,
 ) -> Result<Vec<Answer<f32>>, UnsuitableMesh> {
-    let tree = (entry.tree)(triangles)?;
+    // Quick to build, as it is used once.
+    let tree = (entry.tree)(triangles, Builder::Binned)?;
     if arguments.any {
         let mut any = vec![false; rays.len()];
         tree.any(Tracing::Plain, culling, rays, &mut any);

@@ -18,9 +18,12 @@ struct Report {
     triangles: usize,
     method: String,
     threads: usize,
+    builder: &'static str,
     build_ns: u64,
     nodes: usize,
     blocks: usize,
+    /// Triangles in leaves: more than the mesh has where space was split.
+    references: usize,
     depth: usize,
     bytes: usize,
     /// Expected tests of a node or a block for a ray that meets the root.
@@ -54,7 +57,7 @@ pub(crate) fn run(arguments: &Trace) -> Result<()> {
         .context("the system gives no threads; ask for fewer with --threads")?;
     let (tree, build) = pool.install(|| {
         let start = Instant::now();
-        let tree = (entry.tree)(&mesh.triangles);
+        let tree = (entry.tree)(&mesh.triangles, arguments.builder);
         (tree, start.elapsed())
     });
     let tree = tree.map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.mesh.display()))?;
@@ -66,15 +69,17 @@ pub(crate) fn run(arguments: &Trace) -> Result<()> {
     let samples: Vec<Duration> =
         (0..arguments.repeat).map(|_| pool.install(|| sample(&*tree, &rays, &mut found))).collect();
 
-    let Statistics { nodes, blocks, depth, bytes, cost } = tree.statistics();
+    let Statistics { builder, nodes, blocks, references, depth, bytes, cost } = tree.statistics();
     let report = Report {
         mesh: mesh.name,
         triangles: mesh.triangles.len(),
         method: arguments.method.clone(),
         threads: pool.current_num_threads(),
+        builder: builder.name(),
         build_ns: nanoseconds(build),
         nodes,
         blocks,
+        references,
         depth,
         bytes,
         sah_cost: cost,
@@ -156,8 +161,9 @@ impl Report {
         writeln!(
             out,
             "{}: {} triangles, {} on {} thread(s)\n\
-             tree   {} nodes, {} blocks of 8 triangles, depth {}, {} bytes\n\
-             built  {:.1} ms, SAH cost {:.2}\n\
+             tree   {} nodes, depth {}, {} bytes\n\
+             leaves {} references in {} blocks of 8\n\
+             built  {:.1} ms by the {} builder, SAH cost {:.2}\n\
              hits   {} of {} rays, sum of t {}\n\
              traced {:.2} million rays/s, median of {} ({:.2} to {:.2})",
             self.mesh,
@@ -165,10 +171,12 @@ impl Report {
             self.method,
             self.threads,
             self.nodes,
-            self.blocks,
             self.depth,
             self.bytes,
+            self.references,
+            self.blocks,
             self.build_ns as f64 / 1e6,
+            self.builder,
             self.sah_cost,
             self.hits,
             self.rays,

@@ -296,6 +296,10 @@ fn clap_refuses_what_it_does_not_know() {
         ("measure --rounds 0".to_owned(), "'--rounds <N>'"),
         ("measure --seed -1".to_owned(), "'-1'"),
         ("trace --mesh mesh.obj --rays rays.csv --threads 0".to_owned(), "'--threads <N>'"),
+        (
+            "trace --mesh mesh.obj --rays rays.csv --builder best".to_owned(),
+            "[possible values: linear, binned, spatial]",
+        ),
         ("trace --mesh mesh.obj --rays rays.csv --repeat 0".to_owned(), "'--repeat <N>'"),
         ("stress --fuzz 1.5".to_owned(), "not a whole number from 0 to 1e15"),
         ("stress --fuzz many".to_owned(), "not a number; give a count, as 1e9"),

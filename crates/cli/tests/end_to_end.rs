@@ -51,6 +51,10 @@ fn rays_are_traced_and_their_hits_are_written() {
         (&1.into(), &2.into(), &3.0.into())
     );
     assert_eq!((&report["threads"], &report["triangles"]), (&1.into(), &2.into()));
+    assert_eq!(
+        (&report["builder"], &report["references"], &report["nodes"]),
+        (&"spatial".into(), &2.into(), &1.into())
+    );
     assert_eq!(report["samples_ns"].as_array().map(Vec::len), Some(3));
     // t and triangle of the hit; infinity and no triangle for the miss.
     let mut expected = Vec::new();
@@ -60,9 +64,10 @@ fn rays_are_traced_and_their_hits_are_written() {
     expected.extend(u32::MAX.to_le_bytes());
     assert_eq!(fs::read(folder.path().join("hits")).expect("just written"), expected);
 
-    let any = folder.trisect(&format!("{trace} --any"), b"");
+    let any = folder.trisect(&format!("{trace} --any --builder linear"), b"");
     assert_eq!((any.code, any.stderr.as_str()), (Some(0), ""));
     assert!(any.stdout.contains("hits   1 of 2 rays"), "{}", any.stdout);
+    assert!(any.stdout.contains("by the linear builder"), "{}", any.stdout);
     assert!(any.stdout.lines().all(|line| line.chars().count() <= 80), "{}", any.stdout);
 }
 

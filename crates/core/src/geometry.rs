@@ -297,7 +297,7 @@ impl<X: Scalar> Triangle<X> {
     /// computed from it does, however it rounds.
     #[inline(always)]
     #[must_use]
-    pub(crate) fn or_nothing(&self) -> Self {
+    pub fn or_nothing(&self) -> Self {
         if self.can_be_hit() { *self } else { Self::nothing() }
     }
 

@@ -3,6 +3,7 @@
 use trisect_core::{Method, Of};
 
 use crate::bounds::Bounds;
+use crate::build::Builder;
 
 /// Children of a node, and triangles of a block.
 pub(crate) const WIDTH: usize = 8;
@@ -35,6 +36,12 @@ impl Node {
             self.bounds[axis][1][lane] = bounds.max[axis];
         }
         self.children[lane] = child;
+    }
+
+    /// The box of a child.
+    pub(crate) fn bounds_of(&self, lane: usize) -> Bounds {
+        let corner = |row: usize| [0, 1, 2].map(|axis| self.bounds[axis][row][lane]);
+        Bounds { min: corner(0), max: corner(1) }
     }
 }
 
@@ -83,15 +90,31 @@ pub struct Bvh<M: Method> {
     /// Nodes on the longest way down.
     pub(crate) depth: usize,
     pub(crate) bounds: Bounds,
+    pub(crate) origin: Origin,
+}
+
+/// What the tree was built from.
+pub(crate) struct Origin {
+    pub(crate) builder: Builder,
+    /// How many triangles there were.
+    pub(crate) triangles: usize,
+    /// The numbers of those that nothing could hit.
+    pub(crate) left_out: Vec<u32>,
+    /// Triangles in leaves, in each one of them once.
+    pub(crate) references: usize,
 }
 
 /// Facts about a tree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
+    /// What built it.
+    pub builder: Builder,
     /// Wide nodes.
     pub nodes: usize,
     /// Blocks of eight triangles.
     pub blocks: usize,
+    /// Triangles in leaves; those whose space was split count in each leaf that they are in.
+    pub references: usize,
     /// Nodes on the longest way down.
     pub depth: usize,
     /// Bytes of nodes and blocks.
@@ -108,8 +131,7 @@ impl<M: Method> Bvh<M> {
         let mut cost = 1.0;
         for node in &self.nodes {
             for lane in 0..WIDTH {
-                let corner = |end: usize| [0, 1, 2].map(|axis| node.bounds[axis][end][lane]);
-                let bounds = Bounds { min: corner(0), max: corner(1) };
+                let bounds = node.bounds_of(lane);
                 let share = f64::from(bounds.half_area()) / whole;
                 if share.is_finite() {
                     cost += share
@@ -121,8 +143,10 @@ impl<M: Method> Bvh<M> {
             }
         }
         Statistics {
+            builder: self.origin.builder,
             nodes: self.nodes.len(),
             blocks: self.blocks.len(),
+            references: self.origin.references,
             depth: self.depth,
             bytes: size_of_val(&self.nodes[..])
                 + size_of_val(&self.blocks[..])

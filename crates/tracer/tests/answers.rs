@@ -1,87 +1,22 @@
 //! The tree answers as testing every triangle does.
 
-use trisect_core::{
-    Culling, Deferred, Method, PADDING, PreparedTriangles, Ray, Triangle, TrueDivision, Vec3,
-    one_ray,
-};
+mod common;
+
+use common::{answers, brute_force, rays_of, traced, tree_by};
+use trisect_core::{Culling, Method, Ray, Triangle, Vec3};
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_oracle::Oracle;
-use trisect_tracer::{Bvh, Statistics, Tracing, Tree, TriangleHit};
+use trisect_tracer::{Builder, Bvh, Statistics, Tracing, Tree, TriangleHit};
 use trisect_wald::Wald;
 use trisect_watertight::Watertight;
 use trisect_workloads::{Aim, Mesh, Placement, Stress, Surface};
 
-/// The closest hit of each ray, every triangle being tested.
-fn brute_force<M: Method>(
-    triangles: &[Triangle<f32>],
-    rays: &[Ray<f32>],
-    culling: Culling,
-) -> Vec<Option<TriangleHit>> {
-    let prepared = PreparedTriangles::<M, f32>::new(triangles).expect("it takes all meshes");
-    let closest = |ray: &Ray<f32>| {
-        let mut best: Option<TriangleHit> = None;
-        one_ray::<M, f32, Deferred<TrueDivision, true>>(
-            (),
-            ray,
-            &prepared,
-            culling,
-            |tested, met, hit| {
-                let triangle = prepared.number(tested.triangle_place);
-                let nearer = best.is_none_or(|best| {
-                    hit.t < best.hit.t || hit.t == best.hit.t && triangle < best.triangle
-                });
-                if met && triangle != PADDING && nearer {
-                    best = Some(TriangleHit { triangle, hit });
-                }
-            },
-        );
-        best
-    };
-    rays.iter().map(closest).collect()
-}
-
 fn tree<M: Method>(triangles: &[Triangle<f32>]) -> Bvh<M> {
-    Bvh::build(triangles).expect("it takes all meshes")
-}
-
-/// The tree's answers; any-hit and closest-hit are held to each other.
-fn traced(
-    tree: &dyn Tree,
-    tracing: Tracing,
-    culling: Culling,
-    rays: &[Ray<f32>],
-) -> Vec<Option<TriangleHit>> {
-    let mut found = vec![None; rays.len()];
-    tree.closest(tracing, culling, rays, &mut found);
-    let mut any = vec![false; rays.len()];
-    tree.any(tracing, culling, rays, &mut any);
-    for ((found, any), ray) in found.iter().zip(&any).zip(rays) {
-        assert_eq!(found.is_some(), *any, "{ray:?}");
-    }
-    found
+    tree_by(Builder::default(), triangles)
 }
 
 fn agrees<M: Method>(name: &str, triangles: &[Triangle<f32>], rays: &[Ray<f32>]) {
-    let tree = tree::<M>(triangles);
-    for culling in [Culling::None, Culling::Back, Culling::Front] {
-        let all = brute_force::<M>(triangles, rays, culling);
-        let found = traced(&tree, Tracing::Plain, culling, rays);
-        for ((all, found), ray) in all.iter().zip(&found).zip(rays) {
-            assert_eq!(all, found, "{name}, {}, {culling:?}, {ray:?}", M::INFO.name);
-        }
-    }
-}
-
-/// Camera rays, random ones, and rays from corner to corner, where boxes meet.
-fn rays_of(mesh: &Mesh) -> Vec<Ray<f32>> {
-    let mut rays = trisect_workloads::primary(mesh, 16, 16).rays;
-    rays.extend(trisect_workloads::random_through_box(1, mesh, 200).rays);
-    let corners = mesh.triangles.iter().step_by(97).zip(mesh.triangles.iter().rev().step_by(89));
-    rays.extend(corners.take(100).map(|(from, to)| {
-        let o = from.a + (from.a - to.a);
-        Ray::<f32>::new(o, to.b - o)
-    }));
-    rays
+    answers(name, &[tree::<M>(triangles)], triangles, rays);
 }
 
 #[test]
