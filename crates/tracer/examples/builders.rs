@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let mut found = vec![None; rays.len()];
                 let time = median(|| {
                     let start = Instant::now();
-                    tree.closest(Tracing::Fast, Culling::None, rays, &mut found);
+                    tree.closest(Tracing::Single, Culling::None, rays, &mut found);
                     start.elapsed().as_secs_f64()
                 });
                 rays.len() as f64 / time / 1e6

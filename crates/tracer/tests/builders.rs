@@ -155,7 +155,7 @@ fn trees_are_bounded_whatever_the_mesh() {
         assert!(facts.bytes < copies.len() * 50, "{facts:?}");
         assert_eq!(facts.references, copies.len(), "nothing is gained by splitting: {facts:?}");
         let tree = tree_by::<MollerTrumbore>(builder, &copies);
-        let found = traced(&tree, Tracing::Fast, Culling::None, &[ray])[0];
+        let found = traced(&tree, Tracing::Single, Culling::None, &[ray])[0];
         assert_eq!(found.map(|found| found.triangle), Some(0));
         for chain in [chain(0.9, 800), chain(0.5, 120), chain(1.2, 400)] {
             let facts = statistics(builder, &chain);

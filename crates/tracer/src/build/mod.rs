@@ -284,7 +284,7 @@ mod tests {
                     .expect("there are threads")
                     .install(|| outline(&triangles, builder, Kinds::All(0)).layout);
                 let coordinates = layout.nodes.iter().flat_map(|node| node.bounds).flatten();
-                let coordinates: Vec<u32> = coordinates.map(f32::to_bits).collect();
+                let coordinates: Vec<u32> = coordinates.flatten().map(f32::to_bits).collect();
                 let children: Vec<_> = layout.nodes.iter().map(|node| node.children).collect();
                 let blocks: Vec<_> = layout.blocks.iter().map(|block| block.triangles).collect();
                 (coordinates, children, blocks, layout.references)
