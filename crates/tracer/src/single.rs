@@ -117,28 +117,30 @@ pub(crate) fn fly<M, L, const ANY: bool, const ROBUST: bool>(
     M: Method,
     L: Lanes<Elem = f32>,
 {
-    let room = stacks.room;
+    let mut items = stacks.items.chunks_exact_mut(stacks.room);
+    let mut stacks: [&mut [Waiting]; IN_FLIGHT] =
+        std::array::from_fn(|_| items.next().expect("each has its room"));
     let mut flights = [Flight::NOWHERE; IN_FLIGHT];
     let mut next = numbers.len().min(IN_FLIGHT);
     let mut count = next;
     for (at, &number) in numbers[..next].iter().enumerate() {
-        flights[at].start(number, from, &mut stacks.items[at * room..][..room]);
+        flights[at].start(number, from, stacks[at]);
     }
     while count > 0 {
         let mut at = 0;
         while at < count {
             let flight = &mut flights[at];
-            let stack = &mut stacks.items[at * room..][..room];
+            let stack = &mut *stacks[at];
             let traveller = &mut travellers[flight.number as usize];
             if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, traveller, stack) {
                 if let Some(&number) = numbers.get(next) {
                     flight.start(number, from, stack);
                     next += 1;
                 } else {
-                    // The last one moves to its place, with what waits for it.
+                    // The last one takes its place, with what waits for it.
                     count -= 1;
-                    flights[at] = flights[count];
-                    stacks.items.copy_within(count * room..(count + 1) * room, at * room);
+                    flights.swap(at, count);
+                    stacks.swap(at, count);
                     continue;
                 }
             }
@@ -187,9 +189,11 @@ impl Stack<'_> {
             return node.children[first];
         }
         if ANY {
+            // In the order of the lanes: see the builder.
             while met != 0 {
-                self.push(u64::from(node.children[lowest(met)]));
-                met &= met - 1;
+                let last = met.ilog2() as usize % WIDTH;
+                self.push(u64::from(node.children[last]));
+                met ^= 1 << last;
             }
             return node.children[first];
         }

@@ -1,5 +1,7 @@
 //! From the binary tree to the wide one: what is in each node and block, before either is filled.
 
+use std::cmp::Reverse;
+
 use rayon::prelude::*;
 
 use super::PARALLEL;
@@ -174,6 +176,7 @@ impl Emit<'_> {
         let nothing = Subtree { root: 0, first: 0, room: 0 };
         let mut found = Found { subtrees: [nothing; WIDTH], count: 0 };
         self.forest(subtree, WIDTH, &mut found);
+        self.likely_first(&mut found.subtrees[..found.count]);
         let mut wide = Wide { count: found.count, ..Wide::EMPTY };
         let first = piece.nodes.len();
         for (lane, &below) in found.subtrees[..found.count].iter().enumerate() {
@@ -197,6 +200,15 @@ impl Emit<'_> {
                 next += 1;
             }
         }
+    }
+
+    /// Any hit will do for many rays, and those visit children in the order of their lanes: a leaf is
+    /// soon tested, and a large box is hit by many.
+    fn likely_first(&self, subtrees: &mut [Subtree]) {
+        subtrees.sort_by_key(|&below| {
+            let area = Binary::load(&self.tree.nodes[below.root]).bounds.half_area();
+            (!self.is_leaf(below), Reverse(area.to_bits()))
+        });
     }
 
     /// The best forest of up to so many roots.
