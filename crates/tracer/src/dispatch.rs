@@ -4,7 +4,8 @@ use rayon::prelude::*;
 use trisect_core::{Culling, Fused, Lanes, Method, Plain, Ray, Token, Vector};
 
 use crate::bvh::{Bvh, Statistics};
-use crate::stream::{Lists, stream};
+use crate::single::singly;
+use crate::stream::stream;
 use crate::traveller::{Found, Traveller, TriangleHit};
 
 /// How a batch of rays is traced.
@@ -21,12 +22,9 @@ pub enum Tracing {
     Plain,
 }
 
-/// Rays that one thread takes at a time.
+/// Rays that one thread takes at a time: so many that those that go together share much, and few enough
+/// for the second cache.
 const CHUNK: usize = 4096;
-/// Rays that go together: so many that they share much, and few enough for the second cache.
-const STREAM: usize = 4096;
-/// Rays that are prepared before they go, each on its own: few enough for the first cache.
-const SINGLES: usize = 64;
 
 /// Something to do on lanes of choice.
 trait Job {
@@ -90,20 +88,16 @@ where
                 // Known when it is compiled, where nothing is culled or nothing goes together.
                 let culling = if ROBUST { culling } else { Culling::None };
                 let together = STREAMS && together;
-                let chunk = if together { STREAM } else { SINGLES }.min(rays.len()).max(1);
-                let mut lists = Lists::new(bvh.depth, chunk);
-                let mut travellers = vec![Traveller::NOBODY; chunk];
-                for (rays, found) in rays.chunks(chunk).zip(found.chunks_mut(chunk)) {
-                    let travellers = &mut travellers[..rays.len()];
-                    for (traveller, ray) in travellers.iter_mut().zip(rays) {
-                        traveller.become_ray::<ROBUST>(ray);
-                    }
-                    stream::<M, L, ANY, ROBUST>(
-                        bvh, token, culling, travellers, together, &mut lists,
-                    );
-                    for (traveller, found) in travellers.iter().zip(found) {
-                        *found = T::of(traveller.best());
-                    }
+                if !together {
+                    return singly::<M, L, T, ANY, ROBUST>(bvh, token, culling, rays, found);
+                }
+                let mut travellers = vec![Traveller::NOBODY; rays.len()];
+                for (traveller, ray) in travellers.iter_mut().zip(rays) {
+                    traveller.become_ray::<L, ROBUST>(token, ray);
+                }
+                stream::<M, L, ANY, ROBUST>(bvh, token, culling, &mut travellers);
+                for (traveller, found) in travellers.iter().zip(found) {
+                    *found = T::of(traveller.best());
                 }
             },
         );

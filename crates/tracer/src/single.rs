@@ -1,9 +1,9 @@
 //! Rays through the tree, each on its own way.
 
-use trisect_core::{Culling, Lanes, Method};
+use trisect_core::{Culling, Lanes, Method, Ray};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
-use crate::traveller::Traveller;
+use crate::traveller::{Found, Traveller};
 
 /// What waits to be visited: the distance in the upper half, the child in the lower.
 type Waiting = u64;
@@ -13,26 +13,12 @@ type Waiting = u64;
 /// many mixed.
 const IN_FLIGHT: usize = 2;
 
-/// Room for what waits.
-pub(crate) struct Stacks {
-    /// For each ray in flight, a power of two.
-    room: usize,
-    items: Vec<Waiting>,
-}
-
-impl Stacks {
-    /// For trees of a depth: seven wait at each node on the way down.
-    pub(crate) fn new(depth: usize) -> Self {
-        let room = (depth * (WIDTH - 1) + WIDTH).next_power_of_two();
-        Self { room, items: vec![0; room * IN_FLIGHT] }
-    }
-}
-
-/// Where a ray is.
+/// A ray under way.
 #[derive(Clone, Copy)]
 struct Flight {
     /// Its number.
-    number: u32,
+    number: usize,
+    traveller: Traveller,
     /// The node that was visited last.
     node: u32,
     /// Its children that the ray meets, in bits, and where. They are looked at when it is the ray's
@@ -44,15 +30,45 @@ struct Flight {
 }
 
 impl Flight {
-    const NOWHERE: Self = Self { number: 0, node: 0, met: 0, distances: [0.0; WIDTH], waiting: 0 };
+    const NOBODY: Self = Self {
+        number: 0,
+        traveller: Traveller::NOBODY,
+        node: 0,
+        met: 0,
+        distances: [0.0; WIDTH],
+        waiting: 0,
+    };
 
-    /// Sets out for a node or a leaf.
+    /// Puts a ray at the root; whether it has anything to find.
     #[inline(always)]
-    fn start(&mut self, number: u32, from: u32, stack: &mut [Waiting]) {
+    fn start<M, L, const ROBUST: bool>(
+        &mut self,
+        bvh: &Bvh<M>,
+        token: L::Token,
+        number: usize,
+        ray: &Ray<f32>,
+    ) -> bool
+    where
+        M: Method,
+        L: Lanes<Elem = f32>,
+    {
         self.number = number;
-        self.met = 0;
-        self.waiting = 1;
-        stack[0] = u64::from(f32::NEG_INFINITY.to_bits()) << 32 | u64::from(from);
+        self.traveller.become_ray::<L, ROBUST>(token, ray);
+        self.waiting = 0;
+        self.visit::<M, L, ROBUST>(bvh, token, 0);
+        self.traveller.has_any()
+    }
+
+    #[inline(always)]
+    fn visit<M, L, const ROBUST: bool>(&mut self, bvh: &Bvh<M>, token: L::Token, node: u32)
+    where
+        M: Method,
+        L: Lanes<Elem = f32>,
+    {
+        self.node = node;
+        let (traveller, node) = (&self.traveller, &bvh.nodes[node as usize]);
+        self.met =
+            traveller.meet::<L, ROBUST>(token, node, traveller.octant(), &mut self.distances);
     }
 
     /// Visits a node or a leaf; whether the ray has arrived.
@@ -62,7 +78,6 @@ impl Flight {
         bvh: &Bvh<M>,
         token: L::Token,
         culling: Culling,
-        traveller: &mut Traveller,
         stack: &mut [Waiting],
     ) -> bool
     where
@@ -77,74 +92,74 @@ impl Flight {
             // What begins behind the best hit is not worth a visit any more.
             loop {
                 let Some(item) = waiting.pop() else { return true };
-                if ANY || distance(item) <= traveller.tmax() {
+                if ANY || distance(item) <= self.traveller.tmax() {
                     break low(item);
                 }
             }
         };
         self.waiting = waiting.count;
         match child(current) {
-            Child::Node(place) => {
-                self.node = current;
-                let node = &bvh.nodes[place];
-                (self.met, self.distances) =
-                    traveller.meet::<L, ROBUST>(token, node, traveller.octant());
-            }
+            Child::Node(_) => self.visit::<M, L, ROBUST>(bvh, token, current),
             Child::Leaf(first, count) => {
                 self.met = 0;
                 let blocks = first..first + count;
-                traveller.test_leaf::<M, L, ANY, ROBUST>(bvh, token, blocks, culling);
-                return ANY && traveller.has_hit();
+                self.traveller.test_leaf::<M, L, ANY, ROBUST>(bvh, token, blocks, culling);
+                return ANY && self.traveller.has_hit();
             }
         }
         false
     }
 }
 
-/// Sends travellers, of the given numbers, to a node or a leaf and all that is below it: to the nearest
-/// hit of each, of equally near ones that of the lowest number; to any hit where `ANY`. The tests of
-/// boxes allow for rounding where `ROBUST`.
+/// The nearest hit of each ray, of equally near ones that of the lowest number; any hit where `ANY`. The
+/// tests of boxes allow for rounding where `ROBUST`.
 #[inline(always)]
-pub(crate) fn fly<M, L, const ANY: bool, const ROBUST: bool>(
+pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
     bvh: &Bvh<M>,
     token: L::Token,
     culling: Culling,
-    travellers: &mut [Traveller],
-    numbers: &[u32],
-    from: u32,
-    stacks: &mut Stacks,
+    rays: &[Ray<f32>],
+    found: &mut [T],
 ) where
     M: Method,
     L: Lanes<Elem = f32>,
+    T: Found,
 {
-    let mut items = stacks.items.chunks_exact_mut(stacks.room);
+    // Seven wait at each node on the way down.
+    let room = (bvh.depth * (WIDTH - 1) + WIDTH).next_power_of_two();
+    let mut items = vec![0; room * IN_FLIGHT];
+    let mut parts = items.chunks_exact_mut(room);
     let mut stacks: [&mut [Waiting]; IN_FLIGHT] =
-        std::array::from_fn(|_| items.next().expect("each has its room"));
-    let mut flights = [Flight::NOWHERE; IN_FLIGHT];
-    let mut next = numbers.len().min(IN_FLIGHT);
-    let mut count = next;
-    for (at, &number) in numbers[..next].iter().enumerate() {
-        flights[at].start(number, from, stacks[at]);
+        std::array::from_fn(|_| parts.next().expect("each has its room"));
+    let mut flights = [Flight::NOBODY; IN_FLIGHT];
+    let mut rays = rays.iter().enumerate();
+    let mut count = 0;
+    while count < IN_FLIGHT {
+        let Some((number, ray)) = rays.next() else { break };
+        if flights[count].start::<M, L, ROBUST>(bvh, token, number, ray) {
+            count += 1;
+        } else {
+            found[number] = T::of(flights[count].traveller.best());
+        }
     }
     while count > 0 {
         let mut at = 0;
         while at < count {
             let flight = &mut flights[at];
-            let stack = &mut *stacks[at];
-            let traveller = &mut travellers[flight.number as usize];
-            if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, traveller, stack) {
-                if let Some(&number) = numbers.get(next) {
-                    flight.start(number, from, stack);
-                    next += 1;
-                } else {
-                    // The last one takes its place, with what waits for it.
-                    count -= 1;
-                    flights.swap(at, count);
-                    stacks.swap(at, count);
-                    continue;
-                }
+            let mut arrived = flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, stacks[at]);
+            while arrived {
+                found[flight.number] = T::of(flight.traveller.best());
+                let Some((number, ray)) = rays.next() else { break };
+                arrived = !flight.start::<M, L, ROBUST>(bvh, token, number, ray);
             }
-            at += 1;
+            if arrived {
+                // No ray is left; the last one takes its place, with what waits for it.
+                count -= 1;
+                flights.swap(at, count);
+                stacks.swap(at, count);
+            } else {
+                at += 1;
+            }
         }
     }
 }

@@ -6,11 +6,7 @@
 use trisect_core::{Culling, Lanes, Method, Vec3};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
-use crate::single::{Stacks, fly};
 use crate::traveller::{Octant, Traveller};
-
-/// So few rays go on alone: what they would share is not worth its lists.
-const FEW: usize = 4;
 
 /// Rays that wait for a node or a leaf.
 struct List {
@@ -22,7 +18,6 @@ struct List {
 
 /// What a stream needs besides its rays; kept from one to the next.
 pub(crate) struct Lists {
-    stacks: Stacks,
     /// The rays that look into each octant.
     octants: [Vec<u32>; 8],
     waiting: Vec<List>,
@@ -41,10 +36,9 @@ pub(crate) struct Lists {
 }
 
 impl Lists {
-    /// For trees of a depth, and so many rays at a time.
-    pub(crate) fn new(depth: usize, rays: usize) -> Self {
+    /// For so many rays at a time.
+    pub(crate) fn new(rays: usize) -> Self {
         Self {
-            stacks: Stacks::new(depth),
             octants: Default::default(),
             waiting: Vec::new(),
             numbers: Vec::new(),
@@ -121,42 +115,28 @@ impl Lists {
     }
 }
 
-/// As [`fly`], from the root, for all travellers; each on its own where they do not go `together`.
+/// As [`singly`](crate::single::singly), for rays that go together.
 #[inline(always)]
 pub(crate) fn stream<M, L, const ANY: bool, const ROBUST: bool>(
     bvh: &Bvh<M>,
     token: L::Token,
     culling: Culling,
     travellers: &mut [Traveller],
-    together: bool,
-    lists: &mut Lists,
 ) where
     M: Method,
     L: Lanes<Elem = f32>,
 {
+    let mut lists = Lists::new(travellers.len());
     // Rays that look into one octant find the same planes of a box nearer.
     for (number, traveller) in (0_u32..).zip(&*travellers) {
         if traveller.has_any() {
-            let octant = if together { traveller.octant().number() } else { 0 };
-            lists.octants[octant].push(number);
+            lists.octants[traveller.octant().number()].push(number);
         }
     }
     for octant in 0..8 {
         let towards = lists.start(octant, travellers);
         let octant = Octant::of(octant);
         while let Some((from, here)) = lists.pop(travellers) {
-            if !together || here <= FEW {
-                fly::<M, L, ANY, ROBUST>(
-                    bvh,
-                    token,
-                    culling,
-                    travellers,
-                    &lists.here[..here],
-                    from,
-                    &mut lists.stacks,
-                );
-                continue;
-            }
             match child(from) {
                 Child::Leaf(first, count) => {
                     for &number in &lists.here[..here] {
@@ -171,9 +151,8 @@ pub(crate) fn stream<M, L, const ANY: bool, const ROBUST: bool>(
                     let places = met.zip(&mut lists.distances[..here]);
                     let mut any = 0;
                     for (&number, (met, distances)) in lists.here[..here].iter().zip(places) {
-                        let bits;
-                        (bits, *distances) =
-                            travellers[number as usize].meet::<L, ROBUST>(token, node, octant);
+                        let traveller = &travellers[number as usize];
+                        let bits = traveller.meet::<L, ROBUST>(token, node, octant, distances);
                         #[allow(clippy::cast_possible_truncation, reason = "eight lanes")]
                         let bits = bits as u8;
                         *met = bits;

@@ -163,7 +163,11 @@ impl Traveller {
     ///
     /// Field by field, in place: what is written in parts and copied as a whole is waited for.
     #[inline(always)]
-    pub(crate) fn become_ray<const ROBUST: bool>(&mut self, ray: &Ray<f32>) {
+    pub(crate) fn become_ray<L: Lanes<Elem = f32>, const ROBUST: bool>(
+        &mut self,
+        _token: L::Token,
+        ray: &Ray<f32>,
+    ) {
         let Interval { tmin, tmax } = Interval::of(ray);
         self.ray.o = ray.o;
         self.ray.d = ray.d;
@@ -218,11 +222,12 @@ impl Traveller {
         token: L::Token,
         node: &Node,
         octant: Octant,
-    ) -> (u64, [f32; WIDTH]) {
+        distances: &mut [f32; WIDTH],
+    ) -> u64 {
         let Vec3 { x: rx, y: ry, z: rz } = self.slabs.inverse;
         // The difference is exact, or relative to the distance; a fused product needs one rounding.
         let Vec3 { x: sx, y: sy, z: sz } = if ROBUST { self.ray.o } else { self.slabs.start };
-        let (mut met, mut distances) = (0, [0.0; WIDTH]);
+        let mut met = 0;
         let mut lane = 0;
         while lane < WIDTH {
             let (x, y, z) = (octant.ends(node, 0), octant.ends(node, 1), octant.ends(node, 2));
@@ -240,7 +245,7 @@ impl Traveller {
             from.store(&mut distances[lane..]);
             lane += L::N;
         }
-        (met, distances)
+        met
     }
 
     /// Tests the triangles of a leaf. The interval ends at the nearest hit; it becomes empty with any
