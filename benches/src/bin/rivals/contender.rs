@@ -3,29 +3,30 @@
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
+use anyhow::Context as _;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 use trisect_core::{Ray, Triangle};
 
 /// The closest hit that a contender names.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub(crate) struct Found {
     /// Number of the triangle.
-    pub triangle: u32,
+    pub(crate) triangle: u32,
     /// Ray parameter.
-    pub t: f32,
+    pub(crate) t: f32,
 }
 
 /// The answers to all rays.
-pub enum Answers {
+pub(crate) enum Answers {
     /// The closest hit of each.
     Closest(Vec<Option<Found>>),
     /// Whether each hits anything.
     Any(Vec<bool>),
 }
 
-/// A tree over the mesh that waits for rays.
-pub trait Contender: Send {
+/// A way of tracing with a tree.
+pub(crate) trait Contender: Send {
     /// Takes all rays in the form that it likes best. Not timed.
     fn load(&mut self, rays: &[Ray<f32>]);
     /// Undoes what answering wrote over these rays. Not timed.
@@ -36,61 +37,104 @@ pub trait Contender: Send {
     fn any(&mut self, rays: Range<usize>);
     /// What was found. Not timed.
     fn answers(&self, any: bool) -> Answers;
-    /// Bytes of the tree with what it stores of the triangles; `None` where it does not say.
-    fn bytes(&self) -> Option<usize>;
 }
 
-/// A contender that is not built yet.
-pub struct Entrant {
-    /// What it is called in tables.
-    pub name: String,
-    /// Builds the tree, on the threads of the pool that it is called in or on as many as are asked
-    /// for, and says how long the building proper took.
-    pub build: Build,
+/// A tree that is not built yet.
+pub(crate) struct Entrant {
+    /// What the tree is called in tables.
+    pub(crate) name: String,
+    /// What those are called that trace with it, in the order of [`Built::contenders`].
+    pub(crate) contenders: Vec<String>,
+    /// Builds the tree on as many threads as are asked for.
+    pub(crate) build: Build,
 }
 
 /// See [`Entrant::build`].
-pub type Build =
-    Box<dyn Fn(&[Triangle<f32>], usize) -> anyhow::Result<(Box<dyn Contender>, Duration)>>;
+pub(crate) type Build = Box<dyn Fn(&[Triangle<f32>], usize) -> anyhow::Result<Built>>;
 
-/// A contender in the ring.
-pub struct Resident {
-    pub name: String,
-    pub contender: Box<dyn Contender>,
+/// A tree that is built, and who traces with it.
+pub(crate) struct Built {
+    /// One for each way of tracing with the tree, which they share.
+    pub(crate) contenders: Vec<Box<dyn Contender>>,
+    /// How long the building proper took.
+    pub(crate) time: Duration,
+    /// Bytes of the tree with what it stores of the triangles; `None` where it does not say.
+    pub(crate) bytes: Option<usize>,
+}
+
+/// A tree that waits for rays.
+pub(crate) struct Standing {
+    pub(crate) name: String,
     /// How long each build took.
-    pub builds: Vec<Duration>,
+    pub(crate) builds: Vec<Duration>,
+    /// See [`Built::bytes`].
+    pub(crate) bytes: Option<usize>,
+}
+
+/// A contender that waits for rays.
+pub(crate) struct Resident {
+    pub(crate) name: String,
+    pub(crate) contender: Box<dyn Contender>,
+}
+
+/// Runs a build in a pool of its own, and times it.
+pub(crate) fn timed<T: Send>(
+    threads: usize,
+    build: impl FnOnce() -> T + Send,
+) -> anyhow::Result<(T, Duration)> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .context("the system gives no threads; ask for fewer with --threads")?;
+    Ok(pool.install(|| {
+        let start = Instant::now();
+        let built = build();
+        (built, start.elapsed())
+    }))
 }
 
 /// Rays that one contender answers before it is the next one's turn: enough that the caches are its
 /// own for most of them, few enough that all meet the same weather.
 const SLICE: usize = 1 << 14;
 
-/// Builds every entrant `times` times, in turn.
-pub fn build(
+/// Builds every tree `times` times, in turn.
+pub(crate) fn build(
     entrants: &[Entrant],
     triangles: &[Triangle<f32>],
     threads: usize,
     times: usize,
     random: &mut Pcg64,
-) -> anyhow::Result<Vec<Resident>> {
-    let mut residents: Vec<Option<Resident>> = entrants.iter().map(|_| None).collect();
+) -> anyhow::Result<(Vec<Standing>, Vec<Resident>)> {
+    let mut builds: Vec<Vec<Duration>> = entrants.iter().map(|_| Vec::new()).collect();
+    let mut last: Vec<Option<Built>> = entrants.iter().map(|_| None).collect();
     let mut order: Vec<usize> = (0..entrants.len()).collect();
     for _ in 0..times.max(1) {
         order.shuffle(random);
         for &place in &order {
             // One tree of each at a time.
-            let mut builds = residents[place].take().map_or_else(Vec::new, |last| last.builds);
-            let Entrant { name, build } = &entrants[place];
-            let (contender, time) = build(triangles, threads)?;
-            builds.push(time);
-            residents[place] = Some(Resident { name: name.clone(), contender, builds });
+            last[place] = None;
+            let Entrant { name, build, .. } = &entrants[place];
+            let built = build(triangles, threads).with_context(|| name.clone())?;
+            builds[place].push(built.time);
+            last[place] = Some(built);
         }
     }
-    Ok(residents.into_iter().flatten().collect())
+    let (mut trees, mut residents) = (Vec::new(), Vec::new());
+    for ((entrant, builds), built) in entrants.iter().zip(builds).zip(last.into_iter().flatten()) {
+        trees.push(Standing { name: entrant.name.clone(), builds, bytes: built.bytes });
+        residents.extend(
+            entrant
+                .contenders
+                .iter()
+                .zip(built.contenders)
+                .map(|(name, contender)| Resident { name: name.clone(), contender }),
+        );
+    }
+    Ok((trees, residents))
 }
 
 /// Times of each contender over all rays, one for each repetition.
-pub fn race(
+pub(crate) fn race(
     residents: &mut [Resident],
     rays: &[Ray<f32>],
     any: bool,
