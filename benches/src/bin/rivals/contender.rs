@@ -1,9 +1,11 @@
 //! What every contender can do, and how they are timed in turn.
 
 use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
+use anyhow::{Context as _, anyhow};
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 use trisect_core::{Ray, Triangle};
@@ -77,6 +79,10 @@ pub(crate) struct Resident {
     pub(crate) contender: Box<dyn Contender>,
 }
 
+/// Bytes of the stack of a thread that builds: some builders go as deep as their trees, which have
+/// no bottom where all triangles are the same.
+const STACK: usize = 1 << 28;
+
 /// Runs a build in a pool of its own, and times it.
 pub(crate) fn timed<T: Send>(
     threads: usize,
@@ -84,6 +90,7 @@ pub(crate) fn timed<T: Send>(
 ) -> anyhow::Result<(T, Duration)> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
+        .stack_size(STACK)
         .build()
         .context("the system gives no threads; ask for fewer with --threads")?;
     Ok(pool.install(|| {
@@ -114,7 +121,8 @@ pub(crate) fn build(
             // One tree of each at a time.
             last[place] = None;
             let Entrant { name, build, .. } = &entrants[place];
-            let built = build(triangles, threads).with_context(|| name.clone())?;
+            let built =
+                guarded(name, || build(triangles, threads))?.with_context(|| name.clone())?;
             builds[place].push(built.time);
             last[place] = Some(built);
         }
@@ -133,6 +141,33 @@ pub(crate) fn build(
     Ok((trees, residents))
 }
 
+/// Does what others wrote, and which may panic over a mesh that they did not think of.
+fn guarded<T>(name: &str, work: impl FnOnce() -> T) -> anyhow::Result<T> {
+    GUARDED.store(true, Ordering::Relaxed);
+    // What has panicked is not used again.
+    let done = catch_unwind(AssertUnwindSafe(work));
+    GUARDED.store(false, Ordering::Relaxed);
+    done.map_err(|panic| {
+        let said = panic.downcast_ref::<&str>().copied();
+        let said = said.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+        let said = said.unwrap_or("it does not say why");
+        anyhow!("{name} panics over this mesh ({said}); leave it out with --only")
+    })
+}
+
+/// Whether a panic is reported as an error.
+static GUARDED: AtomicBool = AtomicBool::new(false);
+
+/// Keeps panics that are reported as errors from being printed as well.
+pub(crate) fn quiet_guarded_panics() {
+    let print = take_hook();
+    set_hook(Box::new(move |panic| {
+        if !GUARDED.load(Ordering::Relaxed) {
+            print(panic);
+        }
+    }));
+}
+
 /// Times of each contender over all rays, one for each repetition.
 pub(crate) fn race(
     residents: &mut [Resident],
@@ -140,7 +175,7 @@ pub(crate) fn race(
     any: bool,
     repeat: usize,
     random: &mut Pcg64,
-) -> Vec<Vec<Duration>> {
+) -> anyhow::Result<Vec<Vec<Duration>>> {
     for resident in &mut *residents {
         resident.contender.load(rays);
     }
@@ -152,20 +187,22 @@ pub(crate) fn race(
             let slice = start..rays.len().min(start + SLICE);
             order.shuffle(random);
             for &place in &order {
-                let contender = &mut residents[place].contender;
+                let Resident { name, contender } = &mut residents[place];
                 contender.reset(slice.clone());
-                let begin = Instant::now();
-                if any {
-                    contender.any(slice.clone());
-                } else {
-                    contender.closest(slice.clone());
-                }
-                let time = begin.elapsed();
+                let time = guarded(name, || {
+                    let begin = Instant::now();
+                    if any {
+                        contender.any(slice.clone());
+                    } else {
+                        contender.closest(slice.clone());
+                    }
+                    begin.elapsed()
+                })?;
                 if let Some(counted) = round.checked_sub(1) {
                     times[place][counted] += time;
                 }
             }
         }
     }
-    times
+    Ok(times)
 }

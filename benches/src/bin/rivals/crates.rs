@@ -22,8 +22,8 @@ use trisect_core::{Ray, Triangle, Vec3};
 
 use crate::contender::{Answers, Build, Built, Contender, Entrant, Found, timed};
 
-/// All of them. obvhs has two trees and reorders its triangles as its examples do; its slow build is
-/// the best for tracing.
+/// All of them. obvhs has two trees and reorders its triangles as its examples do; its slow build
+/// is the best for tracing.
 pub(crate) fn entrants() -> Vec<Entrant> {
     let entrant = |name: &str, build: Build| Entrant {
         name: name.to_owned(),
@@ -236,7 +236,8 @@ impl BHShape<f32, 3> for Shape {
     }
 }
 
-/// A ray of the crate bvh, whose direction is of unit length; with the length it had, and its interval.
+/// A ray of the crate bvh, whose direction is of unit length; with the length it had, and its
+/// interval.
 struct UnitRay {
     ray: bvh::ray::Ray<f32, 3>,
     length: f32,
@@ -245,8 +246,8 @@ struct UnitRay {
 }
 
 /// The crate bvh, in the order that it finds nearer boxes first. Its rays have no interval: all
-/// triangles whose boxes are met are tested. Its triangle test sees one side: both orders of corners
-/// are asked.
+/// triangles whose boxes are met are tested. Its triangle test sees one side: both orders of
+/// corners are asked.
 struct SvenstaroBvh {
     tree: Bvh<f32, 3>,
     shapes: Vec<Shape>,

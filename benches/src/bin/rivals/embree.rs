@@ -422,7 +422,8 @@ impl Contender for Embree {
         }
         let (query, scene) = (self.tree.interface.intersect1, self.tree.scene);
         for ray in &mut self.rays[rays] {
-            // SAFETY: the scene is committed, and the ray is laid out and aligned as the header says.
+            // SAFETY: the scene is committed, and the ray is laid out and aligned as the header
+            // says.
             unsafe { query(scene, std::ptr::from_mut(ray).cast(), null()) };
         }
     }

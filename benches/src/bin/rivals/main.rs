@@ -25,14 +25,15 @@ use trisect_workloads::{
     Light, Mesh, Workload, diffuse_bounce, occlusion, primary, random_through_box, read_rays,
 };
 
-use crate::contender::{Entrant, Resident, build, race};
+use crate::contender::{Entrant, Resident, build, quiet_guarded_panics, race};
 use crate::report::{Class, Report};
 use crate::settle::settle;
 
-/// Races this project's tracer against obvhs, parry3d, bvh and, with the feature `embree`, Embree 4.
+/// Races this project's tracer against obvhs, parry3d, bvh and, with the feature `embree`, Embree
+/// 4.
 ///
-/// All trees are resident; rays are dealt in slices, and who comes next is drawn by lot. Tracing is on
-/// one thread. Answers are compared ray by ray; the exact oracle settles the differences.
+/// All trees are resident; rays are dealt in slices, and who comes next is drawn by lot. Tracing is
+/// on one thread. Answers are compared ray by ray; the exact oracle settles the differences.
 #[derive(Parser)]
 #[command(max_term_width = 100, after_long_help = WORDS)]
 struct Arguments {
@@ -46,25 +47,30 @@ struct Arguments {
     #[arg(long, requires = "rays")]
     any: bool,
     /// How often the rays are traced
-    #[arg(long, value_name = "N", default_value_t = 11, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 11)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     repeat: u16,
     /// How often the trees are built
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     builds: u16,
     /// Threads that build; all processors if left out
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Methods of `trisect list` that the tracer takes part with
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values_t = ours::DEFAULT.map(str::to_owned))]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(default_values_t = ours::DEFAULT.map(str::to_owned))]
     methods: Vec<String>,
     /// Only these contenders
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
     /// Classes of rays that are made
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values_t = ClassOfRays::ALL)]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(default_values_t = ClassOfRays::ALL)]
     classes: Vec<ClassOfRays>,
     /// Side, in pixels, of the pictures that rays are made from
-    #[arg(long, value_name = "PIXELS", default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, value_name = "PIXELS", default_value_t = 512)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=4096))]
     pixels: u16,
     /// Seed of the rays and of the order
     #[arg(long, default_value_t = 1)]
@@ -120,6 +126,7 @@ impl std::fmt::Display for ClassOfRays {
 type Rays = (String, Vec<Ray<f32>>, bool);
 
 fn main() -> ExitCode {
+    quiet_guarded_panics();
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
@@ -180,7 +187,7 @@ fn run(arguments: &Arguments) -> Result<()> {
             say(&format!("{}: tracing {} rays, {name}", mesh.name, rays.len()));
             let times = pool.install(|| {
                 race(&mut residents, &rays, any, usize::from(arguments.repeat), &mut random)
-            });
+            })?;
             let answers: Vec<_> =
                 residents.iter().map(|resident| resident.contender.answers(any)).collect();
             say(&format!("{}: settling differences", mesh.name));

@@ -10,8 +10,8 @@ use trisect_workloads::Mesh;
 
 use crate::contender::{Answers, Built, Contender, Entrant, Found, timed};
 
-/// The methods that take part if none are named: the fastest in a tree that any mesh may be given to,
-/// and the one that never lets a ray through between triangles.
+/// The methods that take part if none are named: the fastest in a tree that any mesh may be given
+/// to, and the one that never lets a ray through between triangles.
 pub(crate) const DEFAULT: [&str; 2] = ["moller-trumbore", "watertight"];
 
 /// How a tree is traced with, and what the name of who does so ends in.
