@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow};
-use trisect_catalog::{BuildTree, Entry, Tracing, Tree, TriangleHit, find};
+use trisect_catalog::{BuildTree, Builder, Entry, Tracing, Tree, TriangleHit, find};
 use trisect_core::{Culling, Ray};
 use trisect_workloads::Mesh;
 
@@ -19,13 +19,21 @@ type Way = (Tracing, &'static str);
 
 const WAYS: [Way; 2] = [(Tracing::Single, ""), (Tracing::Stream, " streams")];
 
-/// The trees of a method, in every way of tracing.
+/// The trees of a method: that which is the fastest to trace in every way of tracing, and those that are
+/// built by other builders.
 ///
 /// # Errors
 /// When there is no such method.
 pub(crate) fn entrants(method: &str) -> Result<Vec<Entrant>> {
     let Entry { tree, .. } = self::method(method)?;
-    Ok(vec![entrant(method, &WAYS, *tree)])
+    let entrants = Builder::ALL.into_iter().rev().map(|builder| {
+        if builder == Builder::default() {
+            entrant(method, &WAYS, builder, *tree)
+        } else {
+            entrant(&format!("{method} {builder}"), &WAYS[..1], builder, *tree)
+        }
+    });
+    Ok(entrants.collect())
 }
 
 /// The tree that rays are made with.
@@ -34,7 +42,9 @@ pub(crate) fn entrants(method: &str) -> Result<Vec<Entrant>> {
 /// When it cannot take the mesh.
 pub(crate) fn tree(mesh: &Mesh) -> Result<Box<dyn Tree>> {
     let Entry { tree, .. } = method("moller-trumbore")?;
-    tree(&mesh.triangles).map_err(|unsuitable| anyhow!("{}: {unsuitable}", mesh.name))
+    // Quick to build, as it is used once.
+    tree(&mesh.triangles, Builder::Binned)
+        .map_err(|unsuitable| anyhow!("{}: {unsuitable}", mesh.name))
 }
 
 fn method(name: &str) -> Result<&'static Entry> {
@@ -42,12 +52,12 @@ fn method(name: &str) -> Result<&'static Entry> {
         .with_context(|| format!("unknown method `{name}`; `trisect list` shows what there is"))
 }
 
-fn entrant(name: &str, ways: &'static [Way], build: BuildTree) -> Entrant {
+fn entrant(name: &str, ways: &'static [Way], builder: Builder, build: BuildTree) -> Entrant {
     Entrant {
         name: name.to_owned(),
         contenders: ways.iter().map(|(_, suffix)| format!("{name}{suffix}")).collect(),
         build: Box::new(move |triangles, threads| {
-            let (tree, time) = timed(threads, || build(triangles))?;
+            let (tree, time) = timed(threads, || build(triangles, builder))?;
             let tree = tree.map_err(|unsuitable| anyhow!("{unsuitable}"))?;
             let bytes = Some(tree.statistics().bytes);
             let tree: Arc<dyn Tree> = tree.into();
