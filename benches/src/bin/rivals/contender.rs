@@ -1,31 +1,34 @@
 //! What every contender can do, and how they are timed in turn.
 
 use std::ops::Range;
+use std::panic::{AssertUnwindSafe, catch_unwind, set_hook, take_hook};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use anyhow::{Context as _, anyhow};
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 use trisect_core::{Ray, Triangle};
 
 /// The closest hit that a contender names.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
+pub(crate) struct Found {
     /// Number of the triangle.
-    pub triangle: u32,
+    pub(crate) triangle: u32,
     /// Ray parameter.
-    pub t: f32,
+    pub(crate) t: f32,
 }
 
 /// The answers to all rays.
-pub enum Answers {
+pub(crate) enum Answers {
     /// The closest hit of each.
     Closest(Vec<Option<Found>>),
     /// Whether each hits anything.
     Any(Vec<bool>),
 }
 
-/// A tree over the mesh that waits for rays.
-pub trait Contender: Send {
+/// A way of tracing with a tree.
+pub(crate) trait Contender: Send {
     /// Takes all rays in the form that it likes best. Not timed.
     fn load(&mut self, rays: &[Ray<f32>]);
     /// Undoes what answering wrote over these rays. Not timed.
@@ -36,67 +39,143 @@ pub trait Contender: Send {
     fn any(&mut self, rays: Range<usize>);
     /// What was found. Not timed.
     fn answers(&self, any: bool) -> Answers;
-    /// Bytes of the tree with what it stores of the triangles; `None` where it does not say.
-    fn bytes(&self) -> Option<usize>;
 }
 
-/// A contender that is not built yet.
-pub struct Entrant {
-    /// What it is called in tables.
-    pub name: String,
-    /// Builds the tree, on the threads of the pool that it is called in or on as many as are asked
-    /// for, and says how long the building proper took.
-    pub build: Build,
+/// A tree that is not built yet.
+pub(crate) struct Entrant {
+    /// What the tree is called in tables.
+    pub(crate) name: String,
+    /// What those are called that trace with it, in the order of [`Built::contenders`].
+    pub(crate) contenders: Vec<String>,
+    /// Builds the tree on as many threads as are asked for.
+    pub(crate) build: Build,
 }
 
 /// See [`Entrant::build`].
-pub type Build =
-    Box<dyn Fn(&[Triangle<f32>], usize) -> anyhow::Result<(Box<dyn Contender>, Duration)>>;
+pub(crate) type Build = Box<dyn Fn(&[Triangle<f32>], usize) -> anyhow::Result<Built>>;
 
-/// A contender in the ring.
-pub struct Resident {
-    pub name: String,
-    pub contender: Box<dyn Contender>,
+/// A tree that is built, and who traces with it.
+pub(crate) struct Built {
+    /// One for each way of tracing with the tree, which they share.
+    pub(crate) contenders: Vec<Box<dyn Contender>>,
+    /// How long the building proper took.
+    pub(crate) time: Duration,
+    /// Bytes of the tree with what it stores of the triangles; `None` where it does not say.
+    pub(crate) bytes: Option<usize>,
+}
+
+/// A tree that waits for rays.
+pub(crate) struct Standing {
+    pub(crate) name: String,
     /// How long each build took.
-    pub builds: Vec<Duration>,
+    pub(crate) builds: Vec<Duration>,
+    /// See [`Built::bytes`].
+    pub(crate) bytes: Option<usize>,
+}
+
+/// A contender that waits for rays.
+pub(crate) struct Resident {
+    pub(crate) name: String,
+    pub(crate) contender: Box<dyn Contender>,
+}
+
+/// Bytes of the stack of a thread that builds: some builders go as deep as their trees, which have
+/// no bottom where all triangles are the same.
+const STACK: usize = 1 << 28;
+
+/// Runs a build in a pool of its own, and times it.
+pub(crate) fn timed<T: Send>(
+    threads: usize,
+    build: impl FnOnce() -> T + Send,
+) -> anyhow::Result<(T, Duration)> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .stack_size(STACK)
+        .build()
+        .context("the system gives no threads; ask for fewer with --threads")?;
+    Ok(pool.install(|| {
+        let start = Instant::now();
+        let built = build();
+        (built, start.elapsed())
+    }))
 }
 
 /// Rays that one contender answers before it is the next one's turn: enough that the caches are its
 /// own for most of them, few enough that all meet the same weather.
 const SLICE: usize = 1 << 14;
 
-/// Builds every entrant `times` times, in turn.
-pub fn build(
+/// Builds every tree `times` times, in turn.
+pub(crate) fn build(
     entrants: &[Entrant],
     triangles: &[Triangle<f32>],
     threads: usize,
     times: usize,
     random: &mut Pcg64,
-) -> anyhow::Result<Vec<Resident>> {
-    let mut residents: Vec<Option<Resident>> = entrants.iter().map(|_| None).collect();
+) -> anyhow::Result<(Vec<Standing>, Vec<Resident>)> {
+    let mut builds: Vec<Vec<Duration>> = entrants.iter().map(|_| Vec::new()).collect();
+    let mut last: Vec<Option<Built>> = entrants.iter().map(|_| None).collect();
     let mut order: Vec<usize> = (0..entrants.len()).collect();
     for _ in 0..times.max(1) {
         order.shuffle(random);
         for &place in &order {
             // One tree of each at a time.
-            let mut builds = residents[place].take().map_or_else(Vec::new, |last| last.builds);
-            let Entrant { name, build } = &entrants[place];
-            let (contender, time) = build(triangles, threads)?;
-            builds.push(time);
-            residents[place] = Some(Resident { name: name.clone(), contender, builds });
+            last[place] = None;
+            let Entrant { name, build, .. } = &entrants[place];
+            let built =
+                guarded(name, || build(triangles, threads))?.with_context(|| name.clone())?;
+            builds[place].push(built.time);
+            last[place] = Some(built);
         }
     }
-    Ok(residents.into_iter().flatten().collect())
+    let (mut trees, mut residents) = (Vec::new(), Vec::new());
+    for ((entrant, builds), built) in entrants.iter().zip(builds).zip(last.into_iter().flatten()) {
+        trees.push(Standing { name: entrant.name.clone(), builds, bytes: built.bytes });
+        residents.extend(
+            entrant
+                .contenders
+                .iter()
+                .zip(built.contenders)
+                .map(|(name, contender)| Resident { name: name.clone(), contender }),
+        );
+    }
+    Ok((trees, residents))
+}
+
+/// Does what others wrote, and which may panic over a mesh that they did not think of.
+fn guarded<T>(name: &str, work: impl FnOnce() -> T) -> anyhow::Result<T> {
+    GUARDED.store(true, Ordering::Relaxed);
+    // What has panicked is not used again.
+    let done = catch_unwind(AssertUnwindSafe(work));
+    GUARDED.store(false, Ordering::Relaxed);
+    done.map_err(|panic| {
+        let said = panic.downcast_ref::<&str>().copied();
+        let said = said.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+        let said = said.unwrap_or("it does not say why");
+        anyhow!("{name} panics over this mesh ({said}); leave it out with --only")
+    })
+}
+
+/// Whether a panic is reported as an error.
+static GUARDED: AtomicBool = AtomicBool::new(false);
+
+/// Keeps panics that are reported as errors from being printed as well.
+pub(crate) fn quiet_guarded_panics() {
+    let print = take_hook();
+    set_hook(Box::new(move |panic| {
+        if !GUARDED.load(Ordering::Relaxed) {
+            print(panic);
+        }
+    }));
 }
 
 /// Times of each contender over all rays, one for each repetition.
-pub fn race(
+pub(crate) fn race(
     residents: &mut [Resident],
     rays: &[Ray<f32>],
     any: bool,
     repeat: usize,
     random: &mut Pcg64,
-) -> Vec<Vec<Duration>> {
+) -> anyhow::Result<Vec<Vec<Duration>>> {
     for resident in &mut *residents {
         resident.contender.load(rays);
     }
@@ -108,20 +187,22 @@ pub fn race(
             let slice = start..rays.len().min(start + SLICE);
             order.shuffle(random);
             for &place in &order {
-                let contender = &mut residents[place].contender;
+                let Resident { name, contender } = &mut residents[place];
                 contender.reset(slice.clone());
-                let begin = Instant::now();
-                if any {
-                    contender.any(slice.clone());
-                } else {
-                    contender.closest(slice.clone());
-                }
-                let time = begin.elapsed();
+                let time = guarded(name, || {
+                    let begin = Instant::now();
+                    if any {
+                        contender.any(slice.clone());
+                    } else {
+                        contender.closest(slice.clone());
+                    }
+                    begin.elapsed()
+                })?;
                 if let Some(counted) = round.checked_sub(1) {
                     times[place][counted] += time;
                 }
             }
         }
     }
-    times
+    Ok(times)
 }

@@ -1,7 +1,7 @@
 //! The published crates: obvhs, parry3d and bvh, each by its own triangle test.
 
 use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 use bvh::aabb::{Aabb, Bounded};
@@ -20,36 +20,22 @@ use parry3d::query::{Ray as ParryRay, RayCast as _};
 use parry3d::shape::{CompositeShapeRef, TriMesh};
 use trisect_core::{Ray, Triangle, Vec3};
 
-use crate::contender::{Answers, Contender, Entrant, Found};
+use crate::contender::{Answers, Build, Built, Contender, Entrant, Found, timed};
 
-/// All of them. obvhs has two trees and reorders its triangles as its examples do; its slow build is
-/// the best for tracing.
-pub fn entrants() -> Vec<Entrant> {
+/// All of them. obvhs has two trees and reorders its triangles as its examples do; its slow build
+/// is the best for tracing.
+pub(crate) fn entrants() -> Vec<Entrant> {
+    let entrant = |name: &str, build: Build| Entrant {
+        name: name.to_owned(),
+        contenders: vec![name.to_owned()],
+        build,
+    };
     vec![
-        Entrant {
-            name: "obvhs bvh2".to_owned(),
-            build: Box::new(|triangles, threads| build_obvhs::<Bvh2>(triangles, threads)),
-        },
-        Entrant {
-            name: "obvhs cwbvh".to_owned(),
-            build: Box::new(|triangles, threads| build_obvhs::<CwBvh>(triangles, threads)),
-        },
-        Entrant { name: "parry3d".to_owned(), build: Box::new(build_parry) },
-        Entrant { name: "bvh".to_owned(), build: Box::new(build_bvh) },
+        entrant("obvhs bvh2", Box::new(build_obvhs::<Bvh2>)),
+        entrant("obvhs cwbvh", Box::new(build_obvhs::<CwBvh>)),
+        entrant("parry3d", Box::new(build_parry)),
+        entrant("bvh", Box::new(build_bvh)),
     ]
-}
-
-/// Runs a build in a pool of its own, and times it.
-fn timed<T: Send>(threads: usize, build: impl FnOnce() -> T + Send) -> Result<(T, Duration)> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .context("the system gives no threads; ask for fewer with --threads")?;
-    Ok(pool.install(|| {
-        let start = Instant::now();
-        let built = build();
-        (built, start.elapsed())
-    }))
 }
 
 /// Answers to be kept, one place per ray.
@@ -118,10 +104,7 @@ struct Obvhs<T> {
     kept: Kept,
 }
 
-fn build_obvhs<T: ObvhsTree>(
-    triangles: &[Triangle<f32>],
-    threads: usize,
-) -> Result<(Box<dyn Contender>, Duration)> {
+fn build_obvhs<T: ObvhsTree>(triangles: &[Triangle<f32>], threads: usize) -> Result<Built> {
     let point = |v: Vec3<f32>| obvhs_vector(v);
     let all: Vec<ObvhsTriangle> = triangles
         .iter()
@@ -129,10 +112,12 @@ fn build_obvhs<T: ObvhsTree>(
         .collect();
     let ((tree, triangles), time) = timed(threads, || {
         let tree = T::build(&all);
-        let triangles = tree.order().iter().map(|&number| all[number as usize]).collect();
+        let triangles: Vec<_> = tree.order().iter().map(|&number| all[number as usize]).collect();
         (tree, triangles)
     })?;
-    Ok((Box::new(Obvhs { tree, triangles, rays: Vec::new(), kept: Kept::default() }), time))
+    let bytes = tree.bytes() + size_of_val(&triangles[..]);
+    let contender = Obvhs { tree, triangles, rays: Vec::new(), kept: Kept::default() };
+    Ok(Built { contenders: vec![Box::new(contender)], time, bytes: Some(bytes) })
 }
 
 fn obvhs_vector(v: Vec3<f32>) -> glam::Vec3A {
@@ -166,10 +151,6 @@ impl<T: ObvhsTree> Contender for Obvhs<T> {
     fn answers(&self, any: bool) -> Answers {
         self.kept.answers(any)
     }
-
-    fn bytes(&self) -> Option<usize> {
-        Some(self.tree.bytes() + size_of_val(&self.triangles[..]))
-    }
 }
 
 /// parry3d's triangle mesh. It has no `tmin`: the origin moves there.
@@ -180,10 +161,7 @@ struct Parry {
     kept: Kept,
 }
 
-fn build_parry(
-    triangles: &[Triangle<f32>],
-    threads: usize,
-) -> Result<(Box<dyn Contender>, Duration)> {
+fn build_parry(triangles: &[Triangle<f32>], threads: usize) -> Result<Built> {
     let vertices: Vec<ParryVec3> =
         triangles.iter().flat_map(|triangle| triangle.corners()).map(parry_vector).collect();
     let indices: Vec<[u32; 3]> = (0..u32::try_from(triangles.len())
@@ -192,7 +170,8 @@ fn build_parry(
         .collect();
     let (mesh, time) = timed(threads, || TriMesh::new(vertices, indices))?;
     let mesh = mesh.context("parry3d does not take the mesh")?;
-    Ok((Box::new(Parry { mesh, rays: Vec::new(), kept: Kept::default() }), time))
+    let contender = Parry { mesh, rays: Vec::new(), kept: Kept::default() };
+    Ok(Built { contenders: vec![Box::new(contender)], time, bytes: None })
 }
 
 fn parry_vector(v: Vec3<f32>) -> ParryVec3 {
@@ -232,10 +211,6 @@ impl Contender for Parry {
     fn answers(&self, any: bool) -> Answers {
         self.kept.answers(any)
     }
-
-    fn bytes(&self) -> Option<usize> {
-        None
-    }
 }
 
 /// A triangle of the crate bvh, which knows its place in the tree.
@@ -261,7 +236,8 @@ impl BHShape<f32, 3> for Shape {
     }
 }
 
-/// A ray of the crate bvh, whose direction is of unit length; with the length it had, and its interval.
+/// A ray of the crate bvh, whose direction is of unit length; with the length it had, and its
+/// interval.
 struct UnitRay {
     ray: bvh::ray::Ray<f32, 3>,
     length: f32,
@@ -270,8 +246,8 @@ struct UnitRay {
 }
 
 /// The crate bvh, in the order that it finds nearer boxes first. Its rays have no interval: all
-/// triangles whose boxes are met are tested. Its triangle test sees one side: both orders of corners
-/// are asked.
+/// triangles whose boxes are met are tested. Its triangle test sees one side: both orders of
+/// corners are asked.
 struct SvenstaroBvh {
     tree: Bvh<f32, 3>,
     shapes: Vec<Shape>,
@@ -279,10 +255,7 @@ struct SvenstaroBvh {
     kept: Kept,
 }
 
-fn build_bvh(
-    triangles: &[Triangle<f32>],
-    threads: usize,
-) -> Result<(Box<dyn Contender>, Duration)> {
+fn build_bvh(triangles: &[Triangle<f32>], threads: usize) -> Result<Built> {
     let mut shapes: Vec<Shape> = (0_u32..)
         .zip(triangles)
         .map(|(number, triangle)| {
@@ -291,7 +264,9 @@ fn build_bvh(
         })
         .collect();
     let (tree, time) = timed(threads, || Bvh::build_par(&mut shapes))?;
-    Ok((Box::new(SvenstaroBvh { tree, shapes, rays: Vec::new(), kept: Kept::default() }), time))
+    let bytes = size_of_val(&tree.nodes[..]) + size_of_val(&shapes[..]);
+    let contender = SvenstaroBvh { tree, shapes, rays: Vec::new(), kept: Kept::default() };
+    Ok(Built { contenders: vec![Box::new(contender)], time, bytes: Some(bytes) })
 }
 
 impl SvenstaroBvh {
@@ -338,9 +313,5 @@ impl Contender for SvenstaroBvh {
 
     fn answers(&self, any: bool) -> Answers {
         self.kept.answers(any)
-    }
-
-    fn bytes(&self) -> Option<usize> {
-        Some(size_of_val(&self.tree.nodes[..]) + size_of_val(&self.shapes[..]))
     }
 }

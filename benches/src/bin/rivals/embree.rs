@@ -12,13 +12,13 @@ use anyhow::{Context as _, Result, ensure};
 use libloading::Library;
 use trisect_core::{Ray, Triangle, Vec3};
 
-use crate::contender::{Answers, Contender, Entrant, Found};
+use crate::contender::{Answers, Built, Contender, Entrant, Found};
 
 type Device = *mut c_void;
 type Scene = *mut c_void;
 type Geometry = *mut c_void;
 
-/// `RTCRay`, embree4/rtcore_ray.h.
+/// `RTCRay` of `embree4/rtcore_ray.h`.
 #[repr(C, align(16))]
 #[derive(Clone, Copy)]
 struct RtcRay {
@@ -95,6 +95,9 @@ const FORMAT_FLOAT3: u32 = 0x9003;
 const SCENE_ROBUST: u32 = 1 << 2;
 const QUERY_COHERENT: u32 = 1 << 16;
 const FEATURES_ALL: u32 = u32::MAX;
+
+/// Where benches/install-embree.sh puts the library, from the root of the workspace.
+const INSTALLED: &str = "target/embree/libembree4.so";
 
 /// How thoroughly a tree is built: `RTCBuildQuality`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -181,72 +184,86 @@ enum Way {
 }
 
 /// A scene of one mesh.
-struct Embree {
+struct Tree {
     interface: Arc<Interface>,
     device: Device,
     scene: Scene,
+    /// What the device has. Boxed, as the device knows where it is.
     bytes: Box<AtomicIsize>,
-    /// Bytes of the corners and numbers, which are the caller's with other contenders.
-    buffers: usize,
+}
+
+// SAFETY: Embree's objects may be used from any thread.
+unsafe impl Send for Tree {}
+// SAFETY: a committed scene is only read, by as many threads as like.
+unsafe impl Sync for Tree {}
+
+/// A scene and how it is asked.
+struct Embree {
+    tree: Arc<Tree>,
     way: Way,
     original: Vec<Ray<f32>>,
     rays: Vec<RtcRayHit>,
     packets: Vec<RtcRayHit16>,
 }
 
-// SAFETY: Embree's objects may be used from any thread, and the vectors are plain data.
-unsafe impl Send for Embree {}
-
-/// All forms of Embree in the library at `path`.
+/// All forms of Embree in the library at `path`, or where it is installed.
 ///
 /// # Errors
 /// When it is not a library, or not Embree 4.
-pub fn entrants(path: &Path) -> Result<Vec<Entrant>> {
-    let interface = Arc::new(Interface::open(path)?);
-    let forms = [
-        ("embree", Quality::High, false, Way::Single),
-        ("embree robust", Quality::High, true, Way::Single),
-        ("embree medium", Quality::Medium, false, Way::Single),
-        ("embree packets", Quality::High, false, Way::Coherent),
-        ("embree streams", Quality::High, false, Way::Incoherent),
+pub(crate) fn entrants(path: Option<&Path>) -> Result<Vec<Entrant>> {
+    let installed = || Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name(INSTALLED);
+    let path = path.map_or_else(installed, Path::to_owned);
+    let interface = Arc::new(Interface::open(&path)?);
+    let trees: [(&str, Quality, bool, &[Way]); 3] = [
+        ("embree", Quality::High, false, &[Way::Single, Way::Coherent, Way::Incoherent]),
+        ("embree robust", Quality::High, true, &[Way::Single]),
+        ("embree medium", Quality::Medium, false, &[Way::Single]),
     ];
-    Ok(forms
-        .into_iter()
-        .map(|(name, quality, robust, way)| {
-            let interface = Arc::clone(&interface);
-            Entrant {
-                name: name.to_owned(),
-                build: Box::new(move |triangles, threads| {
-                    Embree::build(&interface, triangles, threads, quality, robust, way)
-                }),
-            }
-        })
-        .collect())
+    let entrant = |(name, quality, robust, ways): (&str, Quality, bool, &'static [Way])| {
+        let interface = Arc::clone(&interface);
+        let name_of = |way: &Way| match way {
+            Way::Single => name.to_owned(),
+            Way::Coherent => format!("{name} packets"),
+            Way::Incoherent => format!("{name} streams"),
+        };
+        Entrant {
+            name: name.to_owned(),
+            contenders: ways.iter().map(name_of).collect(),
+            build: Box::new(move |triangles, threads| {
+                let (tree, time) = Tree::build(&interface, triangles, threads, quality, robust)?;
+                let bytes = tree.bytes();
+                let tree = Arc::new(tree);
+                let contender = |way: &Way| {
+                    let tree = Arc::clone(&tree);
+                    let (original, rays, packets) = (Vec::new(), Vec::new(), Vec::new());
+                    let embree = Embree { tree, way: *way, original, rays, packets };
+                    Box::new(embree) as Box<dyn Contender>
+                };
+                Ok(Built { contenders: ways.iter().map(contender).collect(), time, bytes })
+            }),
+        }
+    };
+    Ok(trees.into_iter().map(entrant).collect())
 }
 
-impl Embree {
+impl Tree {
     fn build(
         interface: &Arc<Interface>,
         triangles: &[Triangle<f32>],
         threads: usize,
         quality: Quality,
         robust: bool,
-        way: Way,
-    ) -> Result<(Box<dyn Contender>, Duration)> {
+    ) -> Result<(Self, Duration)> {
         let configuration = CString::new(format!("threads={threads}"))?;
-        let bytes = Box::new(AtomicIsize::new(0));
         let count = triangles.len();
         // SAFETY: calls as the interface's documentation says; buffers are filled within what was
         // asked for, and the device goes when this is dropped, before the counter.
         unsafe {
             let device = (interface.new_device)(configuration.as_ptr());
             ensure!(!device.is_null(), "Embree makes no device");
-            (interface.monitor_memory)(
-                device,
-                count_memory,
-                std::ptr::from_ref(&*bytes).cast_mut().cast(),
-            );
             let scene = (interface.new_scene)(device);
+            let bytes = Box::new(AtomicIsize::new(0));
+            let tree = Self { interface: Arc::clone(interface), device, scene, bytes };
             (interface.set_quality)(scene, quality as u32);
             (interface.set_flags)(scene, if robust { SCENE_ROBUST } else { 0 });
             let geometry = (interface.new_geometry)(device, TRIANGLES);
@@ -254,39 +271,42 @@ impl Embree {
                 (interface.new_buffer)(geometry, BUFFER_VERTEX, 0, FORMAT_FLOAT3, 12, 3 * count);
             let indices =
                 (interface.new_buffer)(geometry, BUFFER_INDEX, 0, FORMAT_UINT3, 12, count);
-            ensure!(!vertices.is_null() && !indices.is_null(), "Embree has no room for the mesh");
-            let vertices = vertices.cast::<f32>();
-            let corners = triangles.iter().flat_map(|triangle| triangle.corners());
-            for (at, x) in corners.flat_map(Vec3::to_array).enumerate() {
-                vertices.add(at).write(x);
+            let has_room = !vertices.is_null() && !indices.is_null();
+            if has_room {
+                let vertices = vertices.cast::<f32>();
+                let corners = triangles.iter().flat_map(|triangle| triangle.corners());
+                for (at, x) in corners.flat_map(Vec3::to_array).enumerate() {
+                    vertices.add(at).write(x);
+                }
+                for (at, number) in (0..3 * count).zip(0_u32..) {
+                    indices.cast::<u32>().add(at).write(number);
+                }
+                (interface.commit_geometry)(geometry);
+                (interface.attach_geometry)(scene, geometry);
             }
-            for at in 0..3 * count {
-                indices.cast::<u32>().add(at).write(u32::try_from(at)?);
-            }
-            (interface.commit_geometry)(geometry);
-            (interface.attach_geometry)(scene, geometry);
             (interface.release_geometry)(geometry);
-            let before = bytes.load(Ordering::Relaxed);
+            ensure!(has_room, "Embree has no room for the mesh");
+            // Only from here on: corners and numbers are the caller's with other contenders.
+            (interface.monitor_memory)(
+                device,
+                count_memory,
+                std::ptr::from_ref(&*tree.bytes).cast_mut().cast(),
+            );
             let start = Instant::now();
             (interface.commit_scene)(scene);
             let time = start.elapsed();
             let error = (interface.device_error)(device);
             ensure!(error == 0, "Embree fails with error {error}");
-            let embree = Self {
-                interface: Arc::clone(interface),
-                device,
-                scene,
-                bytes,
-                buffers: usize::try_from(before).unwrap_or(0),
-                way,
-                original: Vec::new(),
-                rays: Vec::new(),
-                packets: Vec::new(),
-            };
-            Ok((Box::new(embree), time))
+            Ok((tree, time))
         }
     }
 
+    fn bytes(&self) -> Option<usize> {
+        usize::try_from(self.bytes.load(Ordering::Relaxed)).ok()
+    }
+}
+
+impl Embree {
     /// Whole packets that the rays are in. Rays that fill up the last one are never hit.
     fn packets(rays: Range<usize>) -> Range<usize> {
         rays.start / PACKET..rays.end.div_ceil(PACKET)
@@ -306,22 +326,17 @@ impl Embree {
     fn run_packets(&mut self, rays: Range<usize>, query: Query16) {
         let arguments = self.arguments();
         let all = [-1_i32; PACKET];
+        let scene = self.tree.scene;
         for packet in &mut self.packets[Self::packets(rays)] {
+            let packet = std::ptr::from_mut(packet).cast();
             // SAFETY: the scene is committed, and the packet is laid out and aligned as the header
             // says.
-            unsafe {
-                query(
-                    all.as_ptr(),
-                    self.scene,
-                    std::ptr::from_mut(packet).cast(),
-                    &raw const arguments,
-                )
-            }
+            unsafe { query(all.as_ptr(), scene, packet, &raw const arguments) };
         }
     }
 }
 
-impl Drop for Embree {
+impl Drop for Tree {
     fn drop(&mut self) {
         // SAFETY: both were made by this library and are released once.
         unsafe {
@@ -402,33 +417,25 @@ impl Contender for Embree {
     }
 
     fn closest(&mut self, rays: Range<usize>) {
-        if self.way == Way::Single {
-            for ray in &mut self.rays[rays] {
-                // SAFETY: the scene is committed, and the ray is laid out and aligned as the header
-                // says.
-                unsafe {
-                    (self.interface.intersect1)(self.scene, std::ptr::from_mut(ray).cast(), null())
-                }
-            }
-        } else {
-            self.run_packets(rays, self.interface.intersect16);
+        if self.way != Way::Single {
+            return self.run_packets(rays, self.tree.interface.intersect16);
+        }
+        let (query, scene) = (self.tree.interface.intersect1, self.tree.scene);
+        for ray in &mut self.rays[rays] {
+            // SAFETY: the scene is committed, and the ray is laid out and aligned as the header
+            // says.
+            unsafe { query(scene, std::ptr::from_mut(ray).cast(), null()) };
         }
     }
 
     fn any(&mut self, rays: Range<usize>) {
-        if self.way == Way::Single {
-            for ray in &mut self.rays[rays] {
-                // SAFETY: as above; a ray without room for a hit is enough.
-                unsafe {
-                    (self.interface.occluded1)(
-                        self.scene,
-                        std::ptr::from_mut(&mut ray.ray).cast(),
-                        null(),
-                    );
-                }
-            }
-        } else {
-            self.run_packets(rays, self.interface.occluded16);
+        if self.way != Way::Single {
+            return self.run_packets(rays, self.tree.interface.occluded16);
+        }
+        let (query, scene) = (self.tree.interface.occluded1, self.tree.scene);
+        for ray in &mut self.rays[rays] {
+            // SAFETY: as above; a ray without room for a hit is enough.
+            unsafe { query(scene, std::ptr::from_mut(&mut ray.ray).cast(), null()) };
         }
     }
 
@@ -451,9 +458,5 @@ impl Contender for Embree {
             (triangle != u32::MAX).then_some(Found { triangle, t: far(at) })
         };
         Answers::Closest(places.map(found).collect())
-    }
-
-    fn bytes(&self) -> Option<usize> {
-        usize::try_from(self.bytes.load(Ordering::Relaxed)).ok().map(|all| all - self.buffers)
     }
 }

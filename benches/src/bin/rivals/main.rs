@@ -10,126 +10,187 @@ mod ours;
 mod report;
 mod settle;
 
+use std::collections::BTreeSet;
+use std::io::{ErrorKind, IsTerminal as _};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use anyhow::{Context as _, Result, ensure};
-use clap::Parser;
+use anyhow::{Context as _, Result, bail, ensure};
+use clap::{Parser, ValueEnum};
 use rand::SeedableRng as _;
 use rand_pcg::Pcg64;
 use trisect_catalog::Tracing;
 use trisect_core::{Culling, Ray};
 use trisect_workloads::{
-    Light, Mesh, diffuse_bounce, occlusion, primary, random_through_box, read_rays,
+    Light, Mesh, Workload, diffuse_bounce, occlusion, primary, random_through_box, read_rays,
 };
 
-use crate::contender::{Entrant, Resident, build, race};
+use crate::contender::{Entrant, Resident, build, quiet_guarded_panics, race};
 use crate::report::{Class, Report};
 use crate::settle::settle;
 
-/// Races this project's tracer against obvhs, parry3d, bvh and, with the feature `embree`, Embree 4.
+/// Races this project's tracer against obvhs, parry3d, bvh and, with the feature `embree`, Embree
+/// 4.
 ///
-/// All trees are resident; rays are dealt in slices, and who comes next is drawn by lot. Tracing is on
-/// one thread. Answers are compared ray by ray; the exact oracle settles the differences.
+/// All trees are resident; rays are dealt in slices, and who comes next is drawn by lot. Tracing is
+/// on one thread. Answers are compared ray by ray; the exact oracle settles the differences.
 #[derive(Parser)]
-#[command(max_term_width = 100)]
+#[command(max_term_width = 100, after_long_help = WORDS)]
 struct Arguments {
     /// Mesh: PLY, OBJ, STL or glTF; may be given several times
     #[arg(long, value_name = "FILE", required = true)]
     mesh: Vec<PathBuf>,
-    /// Rays: CSV or .rays; if left out, four classes of rays are made for each mesh: primary,
-    /// random, diffuse and occlusion
-    #[arg(long, value_name = "FILE")]
+    /// Rays: CSV or .rays; if left out, rays of several classes are made for each mesh
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["classes", "pixels"])]
     rays: Option<PathBuf>,
     /// Any hit instead of the closest, for rays from a file
     #[arg(long, requires = "rays")]
     any: bool,
     /// How often the rays are traced
-    #[arg(long, value_name = "N", default_value_t = 11, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 11)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     repeat: u16,
     /// How often the trees are built
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     builds: u16,
     /// Threads that build; all processors if left out
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Methods of `trisect list` that the tracer takes part with
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values_t = ours::DEFAULT.map(str::to_owned))]
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(default_values_t = ours::DEFAULT.map(str::to_owned))]
     methods: Vec<String>,
     /// Only these contenders
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     only: Vec<String>,
     /// Classes of rays that are made
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values_t = CLASSES.map(str::to_owned))]
-    classes: Vec<String>,
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    #[arg(default_values_t = ClassOfRays::ALL)]
+    classes: Vec<ClassOfRays>,
     /// Side, in pixels, of the pictures that rays are made from
-    #[arg(long, value_name = "PIXELS", default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=4096))]
+    #[arg(long, value_name = "PIXELS", default_value_t = 512)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=4096))]
     pixels: u16,
     /// Seed of the rays and of the order
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Embree's library
+    /// Embree's library; that which benches/install-embree.sh fetches if left out
     #[cfg(feature = "embree")]
-    #[arg(long, value_name = "FILE", default_value = "target/embree/libembree4.so")]
-    embree: PathBuf,
+    #[arg(long, value_name = "FILE")]
+    embree: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
+const WORDS: &str = "\
+What the exact oracle says of an answer that others differ from, and of some that they do not:
+  right   the closest triangle, one exactly as close, or nothing where there is nothing
+  close   a triangle that is hit, at the t of the closest one but for rounding
+  beside  a triangle that is passed by no more than rounding explains, or, at the t of the
+          closest one, by less than a hundredth of it
+  missed  nothing, where a triangle is hit
+  wrong   anything else: a triangle behind the closest one (JSON: farther), one that is not hit
+          (elsewhere), or one where nothing is hit (invented)";
+
 /// The classes of rays that are made of a mesh.
-const CLASSES: [&str; 4] = ["primary", "random", "diffuse", "occlusion"];
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum ClassOfRays {
+    /// From a camera
+    Primary,
+    /// Through two points of the box around the mesh
+    Random,
+    /// Bounces from what the camera sees
+    Diffuse,
+    /// From what the camera sees to a light; any hit is asked for
+    Occlusion,
+}
+
+impl ClassOfRays {
+    const ALL: [Self; 4] = [Self::Primary, Self::Random, Self::Diffuse, Self::Occlusion];
+}
+
+impl std::fmt::Display for ClassOfRays {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Primary => "primary",
+            Self::Random => "random",
+            Self::Diffuse => "diffuse",
+            Self::Occlusion => "occlusion",
+        })
+    }
+}
+
+/// Rays to race on: the name of their class, the rays, and whether any hit will do.
+type Rays = (String, Vec<Ray<f32>>, bool);
 
 fn main() -> ExitCode {
+    quiet_guarded_panics();
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("rivals: {error:#}");
             ExitCode::from(2)
         }
     }
 }
 
+/// Whether the reader of our output went away: no failure of ours.
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        let of_json =
+            cause.downcast_ref::<serde_json::Error>().and_then(serde_json::Error::io_error_kind);
+        let of_text = cause.downcast_ref::<std::io::Error>().map(std::io::Error::kind);
+        of_json.or(of_text) == Some(ErrorKind::BrokenPipe)
+    })
+}
+
+/// Says on a terminal what is being done.
+fn say(what: &str) {
+    if std::io::stderr().is_terminal() {
+        eprintln!("{what}");
+    }
+}
+
 fn run(arguments: &Arguments) -> Result<()> {
     let entrants = entrants(arguments)?;
+    let is_wanted =
+        |resident: &Resident| arguments.only.is_empty() || arguments.only.contains(&resident.name);
     let threads = match arguments.threads {
         Some(threads) => usize::from(threads),
         None => {
             std::thread::available_parallelism().context("the processors cannot be counted")?.get()
         }
     };
+    let meshes = meshes(arguments)?;
+    let from_file = arguments.rays.as_ref().map(read_rays).transpose()?;
+    if let (Some(read), Some(file)) = (&from_file, &arguments.rays) {
+        ensure!(!read.rays_f32.is_empty(), "{}: no rays; name another file", file.display());
+    }
     let mut report = Report::new(threads, usize::from(arguments.repeat));
-    for path in &arguments.mesh {
-        let mesh = Mesh::load(path)?;
-        ensure!(!mesh.triangles.is_empty(), "{}: no triangles; name another mesh", path.display());
-        eprintln!("{}: {} triangles", mesh.name, mesh.triangles.len());
-        let classes = match &arguments.rays {
-            Some(file) => {
-                let rays = read_rays(file)?.rays_f32;
-                ensure!(!rays.is_empty(), "{}: no rays; name another file", file.display());
-                vec![("rays".to_owned(), rays, arguments.any)]
-            }
-            None => {
-                let mut made = classes(&mesh, usize::from(arguments.pixels), arguments.seed)?;
-                made.retain(|(name, ..)| arguments.classes.contains(name));
-                made
-            }
+    for mesh in meshes {
+        let classes = match &from_file {
+            Some(read) => vec![("rays".to_owned(), read.rays_f32.clone(), arguments.any)],
+            None => classes(&mesh, arguments)?,
         };
+        say(&format!("{}: building over {} triangles", mesh.name, mesh.triangles.len()));
         let mut random = Pcg64::seed_from_u64(arguments.seed);
-        let mut residents =
+        let (trees, mut residents) =
             build(&entrants, &mesh.triangles, threads, usize::from(arguments.builds), &mut random)?;
-        report.built(&mesh, &residents);
+        residents.retain(is_wanted);
+        report.built(&mesh, &trees);
         // One thread, whatever a contender's own pool would be.
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
         for (name, rays, any) in classes {
-            eprintln!("{}: {name}, {} rays", mesh.name, rays.len());
+            say(&format!("{}: tracing {} rays, {name}", mesh.name, rays.len()));
             let times = pool.install(|| {
                 race(&mut residents, &rays, any, usize::from(arguments.repeat), &mut random)
-            });
-            let answers: Vec<_> = residents
-                .iter()
-                .map(|resident: &Resident| resident.contender.answers(any))
-                .collect();
+            })?;
+            let answers: Vec<_> =
+                residents.iter().map(|resident| resident.contender.answers(any)).collect();
+            say(&format!("{}: settling differences", mesh.name));
             let settlement = settle(&rays, &mesh.triangles, &answers);
             report.raced(
                 Class { name, any, rays: rays.len() },
@@ -143,40 +204,77 @@ fn run(arguments: &Arguments) -> Result<()> {
     report.print(arguments.json)
 }
 
+/// All meshes, before anything takes its time.
+fn meshes(arguments: &Arguments) -> Result<Vec<Mesh>> {
+    let mut names = BTreeSet::new();
+    let load = |path: &PathBuf| {
+        let mesh = Mesh::load(path)?;
+        ensure!(!mesh.triangles.is_empty(), "{}: no triangles; name another mesh", path.display());
+        // They are told apart by their names.
+        ensure!(
+            names.insert(mesh.name.clone()),
+            "{}: a mesh named `{}` is given already; rename one of the files",
+            path.display(),
+            mesh.name
+        );
+        Ok(mesh)
+    };
+    arguments.mesh.iter().map(load).collect()
+}
+
+/// The trees that are built: all, or those that the named contenders trace with.
 fn entrants(arguments: &Arguments) -> Result<Vec<Entrant>> {
     let mut entrants = Vec::new();
+    let mut methods = BTreeSet::new();
     for method in &arguments.methods {
+        ensure!(methods.insert(method), "method `{method}` is named twice; name each once");
         entrants.extend(ours::entrants(method)?);
     }
     #[cfg(feature = "embree")]
-    entrants.extend(embree::entrants(&arguments.embree)?);
+    entrants.extend(embree::entrants(arguments.embree.as_deref())?);
     entrants.extend(crates::entrants());
-    if !arguments.only.is_empty() {
-        entrants.retain(|entrant| arguments.only.contains(&entrant.name));
-        ensure!(!entrants.is_empty(), "--only {}: no such contender", arguments.only.join(","));
+    if arguments.only.is_empty() {
+        return Ok(entrants);
     }
+    let names: Vec<&String> = entrants.iter().flat_map(|entrant| &entrant.contenders).collect();
+    if let Some(unknown) = arguments.only.iter().find(|only| !names.contains(only)) {
+        let names: Vec<&str> = names.into_iter().map(String::as_str).collect();
+        bail!("--only: no contender `{unknown}`; there are {}", names.join(", "));
+    }
+    entrants.retain(|entrant| entrant.contenders.iter().any(|name| arguments.only.contains(name)));
     Ok(entrants)
 }
 
-/// Rays of four classes: camera rays, rays between random points, bounces and shadows.
-fn classes(mesh: &Mesh, pixels: usize, seed: u64) -> Result<Vec<(String, Vec<Ray<f32>>, bool)>> {
+/// Rays of the classes that are asked for.
+fn classes(mesh: &Mesh, arguments: &Arguments) -> Result<Vec<Rays>> {
+    say(&format!("{}: making rays", mesh.name));
     let tree = ours::tree(mesh)?;
     let mut closest = |ray: &Ray<f32>| {
         let mut found = [None];
         tree.closest(Tracing::Plain, Culling::None, std::slice::from_ref(ray), &mut found);
         found[0].map(|found| (found.triangle as usize, found.hit))
     };
-    let light = Light::above(&mesh.bounds);
-    let diffuse = diffuse_bounce(seed, mesh, pixels, pixels, &mut closest);
-    let occlusion = occlusion(seed, mesh, &light, pixels, pixels, &mut closest);
-    Ok([
-        ("primary", primary(mesh, pixels, pixels), false),
-        ("random", random_through_box(seed, mesh, pixels * pixels), false),
-        ("diffuse", diffuse, false),
-        ("occlusion", occlusion, true),
-    ]
-    .into_iter()
-    .filter(|(_, workload, _)| !workload.rays.is_empty())
-    .map(|(name, workload, any)| (name.to_owned(), workload.rays, any))
-    .collect())
+    let (seed, pixels) = (arguments.seed, usize::from(arguments.pixels));
+    let mut made = Vec::new();
+    for class in ClassOfRays::ALL.into_iter().filter(|class| arguments.classes.contains(class)) {
+        let Workload { rays, .. } = match class {
+            ClassOfRays::Primary => primary(mesh, pixels, pixels),
+            ClassOfRays::Random => random_through_box(seed, mesh, pixels * pixels),
+            ClassOfRays::Diffuse => diffuse_bounce(seed, mesh, pixels, pixels, &mut closest),
+            ClassOfRays::Occlusion => {
+                let light = Light::above(&mesh.bounds);
+                occlusion(seed, mesh, &light, pixels, pixels, &mut closest)
+            }
+        };
+        // Without what the camera sees there are no rays from it.
+        if !rays.is_empty() {
+            made.push((class.to_string(), rays, class == ClassOfRays::Occlusion));
+        }
+    }
+    ensure!(
+        !made.is_empty(),
+        "{}: the camera sees nothing to trace from; name another class or mesh",
+        mesh.name
+    );
+    Ok(made)
 }

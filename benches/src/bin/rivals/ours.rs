@@ -1,45 +1,79 @@
 //! This project's tree, with any method of the catalogue.
 
 use std::ops::Range;
-use std::time::Instant;
+use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow};
-use trisect_catalog::{Tracing, Tree, TriangleHit, entries};
+use trisect_catalog::{BuildTree, Builder, Entry, Tracing, Tree, TriangleHit, find};
 use trisect_core::{Culling, Ray};
+use trisect_workloads::Mesh;
 
-use crate::contender::{Answers, Contender, Entrant, Found};
+use crate::contender::{Answers, Built, Contender, Entrant, Found, timed};
 
-/// The tree of a method, in every way of tracing.
+/// The methods that take part if none are named: the fastest in a tree that any mesh may be given
+/// to, and the one that never lets a ray through between triangles.
+pub(crate) const DEFAULT: [&str; 2] = ["moller-trumbore", "watertight"];
+
+/// How a tree is traced with, and what the name of who does so ends in.
+type Way = (Tracing, &'static str);
+
+const WAYS: [Way; 2] = [(Tracing::Single, ""), (Tracing::Stream, " streams")];
+
+/// The trees of a method: that which is the fastest to trace in every way of tracing, and those that are
+/// built by other builders.
 ///
 /// # Errors
 /// When there is no such method.
-pub fn entrants(method: &str) -> Result<Vec<Entrant>> {
-    let entry = entries()
-        .iter()
-        .find(|entry| entry.info.name == method)
-        .with_context(|| format!("{method}: no such method; `trisect list` names them all"))?;
-    let build = entry.tree;
-    Ok(vec![Entrant {
-        name: method.to_owned(),
+pub(crate) fn entrants(method: &str) -> Result<Vec<Entrant>> {
+    let Entry { tree, .. } = self::method(method)?;
+    let entrants = Builder::ALL.into_iter().rev().map(|builder| {
+        if builder == Builder::default() {
+            entrant(method, &WAYS, builder, *tree)
+        } else {
+            entrant(&format!("{method} {builder}"), &WAYS[..1], builder, *tree)
+        }
+    });
+    Ok(entrants.collect())
+}
+
+/// The tree that rays are made with.
+///
+/// # Errors
+/// When it cannot take the mesh.
+pub(crate) fn tree(mesh: &Mesh) -> Result<Box<dyn Tree>> {
+    let Entry { tree, .. } = method("moller-trumbore")?;
+    // Quick to build, as it is used once.
+    tree(&mesh.triangles, Builder::Binned)
+        .map_err(|unsuitable| anyhow!("{}: {unsuitable}", mesh.name))
+}
+
+fn method(name: &str) -> Result<&'static Entry> {
+    find(name)
+        .with_context(|| format!("unknown method `{name}`; `trisect list` shows what there is"))
+}
+
+fn entrant(name: &str, ways: &'static [Way], builder: Builder, build: BuildTree) -> Entrant {
+    Entrant {
+        name: name.to_owned(),
+        contenders: ways.iter().map(|(_, suffix)| format!("{name}{suffix}")).collect(),
         build: Box::new(move |triangles, threads| {
-            let pool = rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build()
-                .context("the system gives no threads; ask for fewer with --threads")?;
-            let (tree, time) = pool.install(|| {
-                let start = Instant::now();
-                let tree = build(triangles);
-                (tree, start.elapsed())
-            });
-            let tree = tree.map_err(|unsuitable| anyhow!("{method}: {unsuitable}"))?;
-            let ours = Ours { tree, rays: Vec::new(), closest: Vec::new(), any: Vec::new() };
-            Ok((Box::new(ours) as Box<dyn Contender>, time))
+            let (tree, time) = timed(threads, || build(triangles, builder))?;
+            let tree = tree.map_err(|unsuitable| anyhow!("{unsuitable}"))?;
+            let bytes = Some(tree.statistics().bytes);
+            let tree: Arc<dyn Tree> = tree.into();
+            let contender = |&(tracing, _): &Way| {
+                let tree = Arc::clone(&tree);
+                let (rays, closest, any) = (Vec::new(), Vec::new(), Vec::new());
+                Box::new(Ours { tree, tracing, rays, closest, any }) as Box<dyn Contender>
+            };
+            Ok(Built { contenders: ways.iter().map(contender).collect(), time, bytes })
         }),
-    }])
+    }
 }
 
 struct Ours {
-    tree: Box<dyn Tree>,
+    tree: Arc<dyn Tree>,
+    tracing: Tracing,
     rays: Vec<Ray<f32>>,
     closest: Vec<Option<TriangleHit>>,
     any: Vec<bool>,
@@ -54,12 +88,12 @@ impl Contender for Ours {
 
     fn closest(&mut self, rays: Range<usize>) {
         let found = &mut self.closest[rays.clone()];
-        self.tree.closest(Tracing::Single, Culling::None, &self.rays[rays], found);
+        self.tree.closest(self.tracing, Culling::None, &self.rays[rays], found);
     }
 
     fn any(&mut self, rays: Range<usize>) {
         let found = &mut self.any[rays.clone()];
-        self.tree.any(Tracing::Single, Culling::None, &self.rays[rays], found);
+        self.tree.any(self.tracing, Culling::None, &self.rays[rays], found);
     }
 
     fn answers(&self, any: bool) -> Answers {
@@ -68,9 +102,5 @@ impl Contender for Ours {
         }
         let found = |hit: &TriangleHit| Found { triangle: hit.triangle, t: hit.hit.t };
         Answers::Closest(self.closest.iter().map(|hit| hit.as_ref().map(found)).collect())
-    }
-
-    fn bytes(&self) -> Option<usize> {
-        Some(self.tree.statistics().bytes)
     }
 }

@@ -10,12 +10,12 @@ use trisect_harness::record::Machine;
 use trisect_report::stats::{geometric_mean, median};
 use trisect_workloads::Mesh;
 
-use crate::contender::{Answers, Resident};
+use crate::contender::{Answers, Resident, Standing};
 use crate::settle::{Settlement, Verdict};
 
 /// Everything that is printed.
 #[derive(Serialize)]
-pub struct Report {
+pub(crate) struct Report {
     machine: Machine,
     /// Threads that built.
     threads: usize,
@@ -29,7 +29,7 @@ pub struct Report {
 struct Built {
     mesh: String,
     triangles: usize,
-    contenders: Vec<BuiltTree>,
+    trees: Vec<BuiltTree>,
 }
 
 #[derive(Serialize)]
@@ -43,10 +43,10 @@ struct BuiltTree {
 
 /// A class of rays.
 #[derive(Serialize)]
-pub struct Class {
-    pub name: String,
-    pub any: bool,
-    pub rays: usize,
+pub(crate) struct Class {
+    pub(crate) name: String,
+    pub(crate) any: bool,
+    pub(crate) rays: usize,
 }
 
 /// All contenders on one class of rays of one mesh.
@@ -78,26 +78,26 @@ struct Raced {
 }
 
 impl Report {
-    pub fn new(threads: usize, repeat: usize) -> Self {
+    pub(crate) fn new(threads: usize, repeat: usize) -> Self {
         let machine = machine::facts();
         Self { machine, threads, repeat, builds: Vec::new(), races: Vec::new() }
     }
 
-    pub fn built(&mut self, mesh: &Mesh, residents: &[Resident]) {
-        let contenders = residents
+    pub(crate) fn built(&mut self, mesh: &Mesh, trees: &[Standing]) {
+        let trees = trees
             .iter()
-            .map(|Resident { name, contender, builds }| BuiltTree {
+            .map(|Standing { name, builds, bytes }| BuiltTree {
                 name: name.clone(),
                 samples_ns: builds.iter().copied().map(nanoseconds).collect(),
                 median_ms: median_of(builds) * 1e3,
-                bytes: contender.bytes(),
+                bytes: *bytes,
             })
             .collect();
         let (mesh, triangles) = (mesh.name.clone(), mesh.triangles.len());
-        self.builds.push(Built { mesh, triangles, contenders });
+        self.builds.push(Built { mesh, triangles, trees });
     }
 
-    pub fn raced(
+    pub(crate) fn raced(
         &mut self,
         class: Class,
         residents: &[Resident],
@@ -144,7 +144,7 @@ impl Report {
 
     /// # Errors
     /// When standard output takes no more.
-    pub fn print(&self, json: bool) -> Result<()> {
+    pub(crate) fn print(&self, json: bool) -> Result<()> {
         let mut out = std::io::stdout().lock();
         if json {
             serde_json::to_writer(&mut out, self)?;
@@ -161,7 +161,7 @@ impl Report {
         for built in &self.builds {
             writeln!(out, "\n{}: {} triangles", built.mesh, built.triangles)?;
             writeln!(out, "{:24} {:>10} {:>10}", "tree", "ms", "MB")?;
-            for BuiltTree { name, median_ms, bytes, .. } in &built.contenders {
+            for BuiltTree { name, median_ms, bytes, .. } in &built.trees {
                 let bytes =
                     bytes.map_or("-".to_owned(), |bytes| format!("{:.1}", bytes as f64 / 1e6));
                 writeln!(out, "{name:24} {median_ms:>10.1} {bytes:>10}")?;
@@ -235,16 +235,15 @@ impl Race {
         )?;
         let reference = self.reference();
         for contender in &self.contenders {
-            let Verdict { close, neighbour, missed, invented, farther, elsewhere, .. } =
-                contender.verdict;
+            let Verdict { close, beside, missed, .. } = contender.verdict;
             writeln!(
                 out,
-                "{:24} {:>8.2} {:>6.2} {:>8} {close:>6} {neighbour:>6} {missed:>6} {:>6}",
+                "{:24} {:>8.2} {:>6.2} {:>8} {close:>6} {beside:>6} {missed:>6} {:>6}",
                 contender.name,
                 contender.million_rays_per_second,
                 contender.times[reference],
                 contender.hits,
-                invented + farther + elsewhere,
+                contender.verdict.wrong(),
             )?;
         }
         Ok(())

@@ -1,9 +1,5 @@
-//! What the benches and the yardstick share: the workloads, the kernels by name, and the loops of
-//! hand-written intrinsics that the catalogue's kernels are held against.
-#![deny(unsafe_op_in_unsafe_fn)]
-
-#[cfg(target_arch = "x86_64")]
-pub mod intrinsics;
+//! What the benches and the yardstick share: the workloads, and the kernels by name.
+#![forbid(unsafe_code)]
 
 use trisect_catalog::Kernel;
 use trisect_workloads::{Mesh, Workload, primary, random};

@@ -15,9 +15,9 @@ use std::time::Duration;
 use criterion::{
     BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
 };
-use trisect_benches::{kernel_name, workloads};
 use trisect_catalog::{Finder, Kernel, Kernels, Scene, entries};
 use trisect_core::{Common, Culling, Precision, Ray, Triangle};
+use trisect_kernel_benches::{kernel_name, workloads};
 
 fn methods(criterion: &mut Criterion) {
     for workload in workloads() {

@@ -22,11 +22,11 @@ use trisect_core::{BLOCK, InstructionSet, Interval, Ray, Scalar, Triangle};
 /// Sixteen triangles: a corner and two edges, coordinate by coordinate.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
-pub struct Block([[f32; BLOCK]; 9]);
+pub(crate) struct Block([[f32; BLOCK]; 9]);
 
 /// Prepares triangles as the catalogue's kernels do; places without a triangle have no edges,
 /// and so never hit.
-pub fn prepare(triangles: &[Triangle<f32>]) -> Vec<Block> {
+pub(crate) fn prepare(triangles: &[Triangle<f32>]) -> Vec<Block> {
     triangles
         .chunks(BLOCK)
         .map(|chunk| {
@@ -49,7 +49,7 @@ pub fn prepare(triangles: &[Triangle<f32>]) -> Vec<Block> {
 
 /// A loop of intrinsics over every ray and every triangle.
 #[derive(Clone, Copy)]
-pub struct Loop {
+pub(crate) struct Loop {
     /// The instructions it is written in.
     pub instruction_set: InstructionSet,
     /// Lanes of a vector.
@@ -61,13 +61,13 @@ pub struct Loop {
 
 impl Loop {
     /// Tests every ray against every triangle.
-    pub fn run(&self, rays: &[Ray<f32>], blocks: &[Block]) -> Tally {
+    pub(crate) fn run(&self, rays: &[Ray<f32>], blocks: &[Block]) -> Tally {
         (self.run)(rays, blocks)
     }
 }
 
 /// The loops that this processor can run.
-pub fn loops() -> Vec<Loop> {
+pub(crate) fn loops() -> Vec<Loop> {
     let mut loops = Vec::new();
     if has_avx2() {
         let of = |early_out, run| Loop {

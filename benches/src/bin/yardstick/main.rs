@@ -2,6 +2,9 @@
 //! intrinsics: everything in one run, in rounds of random order, compared round by round.
 #![deny(unsafe_code)]
 
+#[cfg(target_arch = "x86_64")]
+mod intrinsics;
+
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -11,13 +14,11 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 use serde::Serialize;
-#[cfg(target_arch = "x86_64")]
-use trisect_benches::intrinsics;
-use trisect_benches::{SEED, kernel_name, workloads};
 use trisect_catalog::{Arrangement, Entry, Kernel, Scene, Tally, entries};
 use trisect_core::{Float, InstructionSet, Output};
 use trisect_harness::machine;
 use trisect_harness::record::Machine;
+use trisect_kernel_benches::{SEED, kernel_name, workloads};
 use trisect_workloads::Workload;
 
 /// The method that the intrinsics are written for.
