@@ -498,3 +498,61 @@ where
         m.to_bitmask()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{f32x4, f32x8, f64x4};
+
+    use super::*;
+
+    /// Numbers in pairs, NaN on either side.
+    const PAIRS: [(f32, f32); 6] = [
+        (1.0, 2.0),
+        (2.0, 1.0),
+        (f32::NAN, 1.0),
+        (1.0, f32::NAN),
+        (f32::NEG_INFINITY, -1.0),
+        (f32::INFINITY, f32::NAN),
+    ];
+
+    fn least_and_largest<L: Lanes>() {
+        let Some(token) = L::Token::detect() else { return };
+        for (a, b) in PAIRS {
+            let lanes = |x: f32| L::splat(token, L::Elem::from_f64(f64::from(x)));
+            let first = |lanes: L| {
+                let mut all = [L::Elem::from_f64(0.0); 16];
+                lanes.store(&mut all);
+                all[0].to_f64()
+            };
+            let (least, largest) = (first(lanes(a).min(lanes(b))), first(lanes(a).max(lanes(b))));
+            if a.is_nan() || b.is_nan() {
+                let expected = f64::from(b).to_bits();
+                let bits = [least, largest].map(f64::to_bits);
+                assert!(bits == [expected; 2] || b.is_nan() && least.is_nan() && largest.is_nan());
+            } else {
+                assert_eq!([least, largest], [a.min(b), a.max(b)].map(f64::from));
+            }
+        }
+    }
+
+    #[test]
+    fn the_second_is_taken_where_either_is_nan() {
+        least_and_largest::<f32>();
+        least_and_largest::<f64>();
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        {
+            use fearless_simd::x86::{Avx2, Avx512, Sse4_2};
+            least_and_largest::<Vector<Sse4_2, f32x4<Sse4_2>, Plain>>();
+            least_and_largest::<Vector<Avx2, f32x8<Avx2>, Plain>>();
+            least_and_largest::<Vector<Avx2, f64x4<Avx2>, Plain>>();
+            least_and_largest::<Vector<Avx512, f32x8<Avx512>, Plain>>();
+        }
+        #[cfg(target_arch = "aarch64")]
+        {
+            use fearless_simd::aarch64::Neon;
+            least_and_largest::<Vector<Neon, f32x4<Neon>, Plain>>();
+            least_and_largest::<Vector<Neon, f32x8<Neon>, Plain>>();
+            least_and_largest::<Vector<Neon, f64x4<Neon>, Plain>>();
+        }
+    }
+}
