@@ -12,7 +12,7 @@ use trisect_core::{
     Method, Needs, Output, PADDING, Packets, Precision, PreparedTriangles, Ray, Scalar, Tested,
     Token, Triangle, UnsuitableMesh, intersect_with, one_ray, one_triangle, shared_packets,
 };
-use trisect_tracer::{Builder, Bvh, Tree};
+use trisect_tracer::{Builder, Bvh, Leaves, Tree};
 
 /// Which way round the lanes are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -320,8 +320,9 @@ pub(crate) trait Instances: Method {
     fn tree(
         triangles: &[Triangle<f32>],
         builder: Builder,
+        leaves: Leaves,
     ) -> Result<Box<dyn Tree>, UnsuitableMesh> {
-        Ok(Box::new(Bvh::<Self>::build(triangles, builder)?))
+        Ok(Box::new(Bvh::<Self>::build_with(triangles, builder, leaves)?))
     }
 
     /// A [`FlushingTest`](crate::FlushingTest).

@@ -16,7 +16,7 @@ use trisect_core::{
 use kernel::Instances as _;
 pub use kernel::{Arrangement, Find, Finder, Kernel, Lane, Scene, Tally, Variant};
 
-pub use trisect_tracer::{Builder, Statistics, Tracing, Tree, TriangleHit};
+pub use trisect_tracer::{Builder, Leaves, Statistics, Tracing, Tree, TriangleHit};
 
 include!(concat!(env!("OUT_DIR"), "/methods.rs"));
 
@@ -34,10 +34,16 @@ pub struct Entry {
     pub flushing: Vec<(&'static str, FlushingTest)>,
     /// Puts triangles in a tree, prepared for the method, or says why it cannot take them.
     pub tree: BuildTree,
+    /// The same with leaves of a size of choice.
+    pub tree_with: BuildTreeWith,
 }
 
 /// Puts triangles in a tree.
 pub type BuildTree = fn(&[Triangle<f32>], Builder) -> Result<Box<dyn Tree>, UnsuitableMesh>;
+
+/// Puts triangles in a tree, its leaves of a size of choice.
+pub type BuildTreeWith =
+    fn(&[Triangle<f32>], Builder, Leaves) -> Result<Box<dyn Tree>, UnsuitableMesh>;
 
 /// A test of one ray against one triangle in [`Flushing`](trisect_core::Flushing) arithmetic.
 pub type FlushingTest = fn(&Ray<f32>, &Triangle<f32>) -> Option<Hit<f64>>;
@@ -66,7 +72,8 @@ pub fn entries() -> &'static [Entry] {
                 f32: matrix::kernels::<M, f32>(),
                 f64: matrix::kernels::<M, f64>(),
                 flushing: matrix::flushing::<M>(),
-                tree: M::tree,
+                tree: |triangles, builder| M::tree(triangles, builder, Leaves::default()),
+                tree_with: M::tree,
             });
         }
     }

@@ -35,6 +35,8 @@ pub(crate) enum Verb {
     Verify(Verify),
     /// Study what every method does in stiff and extreme cases
     Stress(Stress),
+    /// Study what every method is worth in a ray tracer
+    Study(Study),
     /// Trace rays through a mesh in a tree, and say how fast
     Trace(Trace),
     /// Intersect rays with a mesh
@@ -180,6 +182,34 @@ pub(crate) struct Stress {
     /// Tests of hostile input in all [default: 2e9, or 2e8 with --quick]
     #[arg(long, value_name = "N", value_parser = count)]
     pub fuzz: Option<u64>,
+    /// Folder of the report that the page is added to
+    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
+    pub output: PathBuf,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Study what every method is worth in a ray tracer: rays of four classes through a tree, singly and in
+/// streams, beside the speed of the kernels alone; builders, sizes of leaves, threads, lanes and calls.
+///
+/// Prints a table, and adds the page study.html and the record study.jsonl to a report.
+#[derive(Debug, Args)]
+#[command(mut_arg("methods", |methods| methods.help(
+    "Methods, separated by commas, beside moller-trumbore, which always takes part; all if left out"
+)))]
+#[command(mut_arg("mesh", |mesh| mesh.help(
+    "Mesh (PLY, OBJ, STL or glTF), any number of times; the Stanford bunny and a hall if left out"
+)))]
+pub(crate) struct Study {
+    #[command(flatten)]
+    pub subjects: Subjects,
+    /// Fewer rays and samples: half a minute for two methods, instead of ten for all
+    #[arg(long)]
+    pub quick: bool,
+    /// Threads, at most; all processors if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
     /// Folder of the report that the page is added to
     #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
     pub output: PathBuf,

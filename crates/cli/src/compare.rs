@@ -54,7 +54,7 @@ impl<'a> Plan<'a> {
             methods: tasks::methods(&measurement.subjects.methods)?,
             timed: true,
         };
-        let meshes = tasks::meshes(&measurement.subjects)?;
+        let meshes = tasks::meshes(&measurement.subjects, || vec![Mesh::bunny()])?;
         Ok(Self { settings, measurement, meshes })
     }
 

@@ -9,6 +9,7 @@ mod progress;
 mod query;
 mod records;
 mod stress;
+mod study;
 mod tasks;
 mod trace;
 mod verify;
@@ -16,7 +17,7 @@ mod verify;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser as _};
-use trisect_harness::WrongAnswer;
+use trisect_harness::{StudyError, WrongAnswer};
 
 use arguments::{Arguments, Verb};
 
@@ -45,6 +46,7 @@ fn main() -> ExitCode {
         Some(Verb::Report(arguments)) => records::report(&arguments),
         Some(Verb::Verify(arguments)) => verify::run(&arguments),
         Some(Verb::Stress(arguments)) => stress::run(&arguments),
+        Some(Verb::Study(arguments)) => study::run(&arguments),
         Some(Verb::Trace(arguments)) => trace::run(&arguments),
         Some(Verb::Query(arguments)) => query::run(&arguments),
         Some(Verb::Completions { shell }) => output::print(|out| {
@@ -60,7 +62,9 @@ fn main() -> ExitCode {
         Err(error) => {
             eprintln!("trisect: {}", one_line(&format!("{error:#}")));
             // 2: the input is at fault, as for clap's own errors; 1: trisect is.
-            ExitCode::from(if error.is::<WrongAnswer>() { 1 } else { 2 })
+            let is_ours = error.is::<WrongAnswer>()
+                || matches!(error.downcast_ref(), Some(StudyError::WrongAnswer(_)));
+            ExitCode::from(if is_ours { 1 } else { 2 })
         }
     }
 }

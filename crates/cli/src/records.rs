@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, anyhow, bail};
 use serde::Serialize;
 use trisect_harness::record::{Record, Records};
-use trisect_report::Filter;
+use trisect_report::{Filter, Page, PageError};
 
 use crate::arguments::{Cmp, Rank, Report};
 use crate::compare::read;
@@ -68,6 +68,9 @@ pub(crate) fn report(arguments: &Report) -> Result<()> {
     if records.lines.iter().any(|line| matches!(line, Record::Stress(_))) {
         return publish_stress(&records, &arguments.output, arguments.json);
     }
+    if records.lines.iter().any(|line| matches!(line, Record::Traced(_))) {
+        return publish_study(&records, &arguments.output, arguments.json);
+    }
     publish(&records, &arguments.output, arguments.json)
 }
 
@@ -101,17 +104,37 @@ pub(crate) fn publish(records: &Records, folder: &Path, json: bool) -> Result<()
 
 /// Adds the page of the stability study to a report and prints its summary.
 pub(crate) fn publish_stress(records: &Records, folder: &Path, json: bool) -> Result<()> {
-    let cannot_write = || format!("{}: cannot write the page", folder.display());
-    let page = trisect_report::write_stress_page(records, folder).with_context(cannot_write)?;
-    // The page of a comparison that is there leads to the new one from now on.
-    let comparison = folder.join("record.jsonl");
-    if comparison.exists() {
-        trisect_report::write_page(&read(&comparison)?, folder).with_context(cannot_write)?;
-    }
+    let page = add(folder, || trisect_report::write_stress_page(records, folder))?;
     let summary = trisect_report::stress_summary(records);
     show(&summary, &summary.to_text(COLUMNS), json)?;
     eprintln!("\npage    {}", page.index.display());
     Ok(())
+}
+
+/// Adds the page of the tracer's study to a report and prints its summary.
+pub(crate) fn publish_study(records: &Records, folder: &Path, json: bool) -> Result<()> {
+    let page = add(folder, || trisect_report::write_study_page(records, folder))?;
+    let summary = trisect_report::study_summary(records);
+    show(&summary, &summary.to_text(COLUMNS), json)?;
+    eprintln!("\npage    {}", page.index.display());
+    Ok(())
+}
+
+/// Adds a page to a report. The pages that are there lead to the new one from now on.
+fn add(folder: &Path, write: impl FnOnce() -> Result<Page, PageError>) -> Result<Page> {
+    let cannot_write = || format!("{}: cannot write the page", folder.display());
+    let page = write().with_context(cannot_write)?;
+    for (record, drawn, write) in [
+        ("record.jsonl", "index.html", trisect_report::write_page as fn(&_, &_) -> _),
+        ("stress.jsonl", "stress.html", trisect_report::write_stress_page),
+        ("study.jsonl", "study.html", trisect_report::write_study_page),
+    ] {
+        let record = folder.join(record);
+        if record.exists() && folder.join(drawn) != page.index {
+            write(&read(&record)?, folder).with_context(cannot_write)?;
+        }
+    }
+    Ok(page)
 }
 
 fn show(value: &impl Serialize, text: &str, json: bool) -> Result<()> {

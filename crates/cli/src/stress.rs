@@ -1,7 +1,6 @@
 //! `trisect stress`: the stability study.
 
 use anyhow::Result;
-use trisect_harness::record::Family;
 use trisect_harness::{Settings, StressSettings};
 
 use crate::arguments::Stress;
@@ -31,9 +30,6 @@ const FULL: Size = Size {
 /// Pairs that must be right within the limits.
 const PROBES: usize = 32;
 
-/// Rays, and triangles, that the methods are timed on.
-const TIMED: usize = 512;
-
 /// Studies, prints the summary, and adds page and record to the report.
 pub(crate) fn run(arguments: &Stress) -> Result<()> {
     let size = if arguments.quick { QUICK } else { FULL };
@@ -47,8 +43,7 @@ pub(crate) fn run(arguments: &Stress) -> Result<()> {
         methods: methods.clone(),
         timed: true,
     };
-    let random = trisect_workloads::random(arguments.seed, TIMED, TIMED);
-    let timing = [tasks::task(random, Family::Random, TIMED)];
+    let timing = [tasks::timing(arguments.seed)];
     let mut bar = Bar::new();
     let mut taken = trisect_harness::measure(&settings, timing, &mut bar)?;
     let settings = StressSettings {

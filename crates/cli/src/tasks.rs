@@ -63,10 +63,10 @@ pub(crate) fn method(name: &str) -> Result<&'static Entry> {
     find(name).ok_or_else(|| anyhow!("unknown method `{name}`; `trisect list` shows what there is"))
 }
 
-/// The meshes named, or the bunny.
-pub(crate) fn meshes(subjects: &Subjects) -> Result<Vec<Mesh>> {
+/// The meshes named, or those that stand in.
+pub(crate) fn meshes(subjects: &Subjects, others: fn() -> Vec<Mesh>) -> Result<Vec<Mesh>> {
     if subjects.mesh.is_empty() {
-        return Ok(vec![Mesh::bunny()]);
+        return Ok(others());
     }
     let mut meshes: Vec<Mesh> = Vec::new();
     for path in &subjects.mesh {
@@ -143,6 +143,12 @@ pub(crate) fn comparison(
     random.chain(meshes).chain(hit_rates).chain(working_sets).chain(packets).chain(edges)
 }
 
+/// Random rays and triangles that a study times the kernels on.
+pub(crate) fn timing(seed: u64) -> Task {
+    const TIMED: usize = 512;
+    task(trisect_workloads::random(seed, TIMED, TIMED), Family::Random, TIMED)
+}
+
 fn edges(seed: u64, rays: usize) -> Task {
     task(trisect_workloads::edge_aimed(seed, rays, SPHERE), Family::Edges, 0)
 }
@@ -171,7 +177,7 @@ pub(crate) fn verification(
     workloads.map(|workload| task(workload, Family::Mesh, 0)).collect()
 }
 
-pub(crate) fn task(workload: Workload, family: Family, timed_rays: usize) -> Task {
+fn task(workload: Workload, family: Family, timed_rays: usize) -> Task {
     let Workload { name, description, rays, triangles } = workload;
     Task { name, description, family, rays, triangles: triangles.to_vec(), timed_rays }
 }

@@ -22,7 +22,7 @@ pub(crate) fn run(arguments: &Verify) -> Result<()> {
     let meshes = if arguments.subjects.mesh.is_empty() {
         Vec::new()
     } else {
-        tasks::meshes(&arguments.subjects)?
+        tasks::meshes(&arguments.subjects, Vec::new)?
     };
     let rays = match &arguments.rays {
         Some(path) => {

@@ -7,9 +7,11 @@ pub mod machine;
 mod measure;
 pub mod record;
 mod stress;
+mod study;
 mod subject;
 mod timing;
 
-pub use measure::{Progress, Settings, Task, measure};
+pub use measure::{Progress, REFERENCE, Settings, Task, measure};
 pub use stress::{StressSettings, stress};
+pub use study::{StudyError, StudySettings, keep_for_study, study};
 pub use timing::WrongAnswer;

@@ -16,8 +16,8 @@ use crate::record::{
 use crate::subject::Subject;
 use crate::timing::{self, Contender, WrongAnswer};
 
-/// The method that is the reference of the error tables, in f64.
-const REFERENCE: &str = "moller-trumbore";
+/// The method that all are compared with, and, in f64, the reference of the error tables.
+pub const REFERENCE: &str = "moller-trumbore";
 
 /// Rays and triangles to measure on.
 pub struct Task {

@@ -8,10 +8,10 @@ use std::io::{BufRead, Write};
 use serde::{Deserialize, Serialize};
 
 /// The version of the schema that this build writes and reads.
-pub const SCHEMA: u32 = 3;
+pub const SCHEMA: u32 = 4;
 
 /// The oldest schema that this build reads: 2 added facts about methods, refusals and cracks, 3 the
-/// stability study.
+/// stability study, 4 the study of the tracer.
 const OLDEST: u64 = 1;
 
 /// One line of a record file.
@@ -52,6 +52,10 @@ pub enum Record {
     Contract(Contract),
     /// What a variant makes of a special value.
     SpecialValues(SpecialValues),
+    /// A tree over a scene, and the time to build it.
+    Tree(TreeBuilt),
+    /// The time of rays through a tree.
+    Traced(Traced),
 }
 
 /// Who measured, where and how.
@@ -585,6 +589,88 @@ pub struct Outcome {
     pub false_hits: u64,
     /// Pairs that were called a miss and are a hit.
     pub false_misses: u64,
+}
+
+/// What a tree of the tracer's study takes part in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Contest {
+    /// Every method, in turn with the one that all are compared with, on one thread.
+    Methods,
+    /// One method: its trees, and the ways to trace them, in turn, on one thread.
+    Trees,
+    /// One method: numbers of threads, in turn.
+    Threads,
+}
+
+/// A tree over a scene, and the time to build it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TreeBuilt {
+    /// What it takes part in.
+    pub contest: Contest,
+    /// Name of the method in the catalogue.
+    pub method: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Triangles of the scene.
+    pub triangles: usize,
+    /// `linear`, `binned` or `spatial`.
+    pub builder: String,
+    /// When triangles become a leaf: `cheapest`, or always up to `16` or `32`.
+    pub leaves: String,
+    /// Threads that built it.
+    pub threads: usize,
+    /// Nanoseconds of each time that it was built.
+    pub samples_ns: Vec<u64>,
+    /// Wide nodes.
+    pub nodes: usize,
+    /// Blocks of eight triangles.
+    pub blocks: usize,
+    /// Triangles in leaves; more than the scene has where space was split.
+    pub references: usize,
+    /// Nodes on the longest way down.
+    pub depth: usize,
+    /// Bytes of nodes and blocks.
+    pub bytes: usize,
+    /// Expected tests of a node or a block for a ray that meets the root.
+    pub cost: f64,
+}
+
+/// The time of rays through a tree.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Traced {
+    /// What the tree takes part in.
+    pub contest: Contest,
+    /// Name of the method in the catalogue.
+    pub method: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// `linear`, `binned` or `spatial`.
+    pub builder: String,
+    /// When triangles become a leaf: `cheapest`, or always up to `16` or `32`.
+    pub leaves: String,
+    /// `primary`, `random`, `diffuse` or `occlusion`.
+    pub class: String,
+    /// Whether any hit was asked for instead of the closest.
+    pub any: bool,
+    /// `single`, `stream` or `plain`.
+    pub tracing: String,
+    /// `batch`, one call of the tree for all rays of a turn, or `ray`, one for each.
+    pub calls: String,
+    /// Threads that traced.
+    pub threads: usize,
+    /// Rays of a sample.
+    pub rays: u64,
+    /// Rays that hit, the same in every sample.
+    pub hits: u64,
+    /// Rays whose decision differs from the same method's in plain arithmetic.
+    pub differ: u64,
+    /// Nanoseconds of each sample, in the order measured.
+    pub samples_ns: Vec<u64>,
+    /// The same of the method that all are compared with, its rays in turn with these, in the same
+    /// rounds. Of [`Contest::Methods`] alone: in the others all lines of a class went in turn.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub baseline_ns: Vec<u64>,
 }
 
 /// Why a record file could not be read.

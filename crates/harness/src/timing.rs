@@ -29,13 +29,13 @@ pub(crate) struct Expected {
 /// A kernel returned something else than its variant's answers add up to.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error(
-    "{kernel} returned {found:?}, its answers add up to {expected}; this is a bug in trisect, \
+    "{kernel} returned {found}, its answers add up to {expected}; this is a bug in trisect, \
      please report it with the command and the record's header"
 )]
 pub struct WrongAnswer {
-    kernel: String,
-    found: Tally,
-    expected: String,
+    pub(crate) kernel: String,
+    pub(crate) found: String,
+    pub(crate) expected: String,
 }
 
 impl Contender<'_> {
@@ -49,7 +49,7 @@ impl Contender<'_> {
         if tally.hits != self.expected.hits || !sum_is_right || !repeats {
             return Err(WrongAnswer {
                 kernel: format!("{:?}", self.kernel.variant),
-                found: tally,
+                found: format!("{tally:?}"),
                 expected: format!("{:?}", self.expected),
             });
         }

@@ -2,12 +2,14 @@
 
 use std::fmt::Write as _;
 
+use serde::Serialize;
 use trisect_harness::record::{Records, Variant};
 
 use crate::format::{number, or_dash, scientific};
 use crate::havel;
 use crate::stress::findings;
 use crate::stress::markdown as stress;
+use crate::study::markdown as study;
 use crate::view::{BASELINE, NEEDS, View};
 
 /// Why a document could not be spliced.
@@ -29,16 +31,20 @@ pub enum SpliceError {
 type Write = fn(&View) -> String;
 
 /// What can be spliced: its name, and what writes it.
-const PARTS: [(&str, Write); 9] = [
+const PARTS: [(&str, Write); 13] = [
     ("methods", methods),
     ("havel", havel::page),
     ("stress-findings", findings::page),
-    ("stress-f32", |view| stress::part(view, &stress::methods(view, "f32"), stress::METHODS)),
-    ("stress-f64", |view| stress::part(view, &stress::methods(view, "f64"), stress::METHODS)),
-    ("stress-watertight", |view| stress::part(view, &stress::watertight(view), "")),
-    ("stress-contract", |view| stress::part(view, &stress::contract(view), "")),
-    ("stress-special", |view| stress::part(view, &stress::special_values(view), stress::SPECIAL)),
-    ("stress-arithmetic", |view| stress::part(view, &stress::arithmetic(view), stress::ARITHMETIC)),
+    ("stress-f32", |view| part(view, &stress::methods(view, "f32"), stress::METHODS)),
+    ("stress-f64", |view| part(view, &stress::methods(view, "f64"), stress::METHODS)),
+    ("stress-watertight", |view| part(view, &stress::watertight(view), "")),
+    ("stress-contract", |view| part(view, &stress::contract(view), "")),
+    ("stress-special", |view| part(view, &stress::special_values(view), stress::SPECIAL)),
+    ("stress-arithmetic", |view| part(view, &stress::arithmetic(view), stress::ARITHMETIC)),
+    ("study-findings", study::findings),
+    ("study-methods", |view| part(view, &study::methods(view), study::METHODS)),
+    ("study-trees", |view| part(view, &study::trees(view), study::TREES)),
+    ("study-threads", |view| part(view, &study::threads(view), study::THREADS)),
 ];
 
 /// `document` with what stands between its markers made anew from a record.
@@ -79,6 +85,37 @@ pub(crate) fn fastest<'a>(
     keep: impl Fn(&Variant) -> bool,
 ) -> Option<(&'a Variant, f64)> {
     view.comparable(keep).scores().first().copied()
+}
+
+/// A table with names in its first column and numbers in the others.
+#[derive(Serialize)]
+pub(crate) struct Table {
+    pub(crate) head: Vec<String>,
+    pub(crate) rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    pub(crate) fn new(head: &[&str]) -> Self {
+        Self { head: head.iter().map(ToString::to_string).collect(), rows: Vec::new() }
+    }
+
+    /// As Markdown, names as code.
+    fn markdown(&self) -> String {
+        let mut text = format!("| {} |\n| ---", self.head.join(" | "));
+        text.push_str(&" | --:".repeat(self.head.len() - 1));
+        text.push_str(" |\n");
+        for row in &self.rows {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "| `{}` | {} |", row[0], row[1..].join(" | "));
+        }
+        text
+    }
+}
+
+/// A part of a document: its table, and the sentence below it.
+pub(crate) fn part(view: &View, table: &Table, says: &str) -> String {
+    let says = if says.is_empty() { String::new() } else { format!("{says} ") };
+    format!("{}\n{says}{}\n", table.markdown(), measured(view))
 }
 
 /// One table over all methods.

@@ -13,6 +13,7 @@ use trisect_harness::record::{Header, Records};
 use crate::chart::{DrawError, Layout, draw};
 use crate::figures;
 use crate::format::{grouped, mtests, number, or_dash, ratio, scientific};
+use crate::markdown::Table;
 use crate::stats::{median, quartiles};
 use crate::summary::{Summary, of_view};
 use crate::theme::{css, inline_svg};
@@ -47,7 +48,7 @@ pub struct Page {
 }
 
 /// Draws the page and its figures into a folder, which is made if it does not exist. Where the folder
-/// holds the page of a stability study, the page leads to it.
+/// holds the pages of studies, the page leads to them.
 ///
 /// Every file is written beside its place under another name and then renamed, the page last:
 /// a reader sees the old page or the new one, never half of one.
@@ -56,11 +57,11 @@ pub struct Page {
 /// When a file cannot be written, or a figure or the page cannot be drawn.
 pub fn write_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
     let view = View::new(records);
-    let has_stress = folder.join(STRESS_PAGE).exists();
+    let links = links(folder, INDEX_PAGE);
     write(
         folder,
         INDEX_PAGE,
-        &Drawn::of(&view, figures::all(&view), |on_page| fill_in(&view, on_page, has_stress))?,
+        &Drawn::of(&view, figures::all(&view), |on_page| fill_in(&view, on_page, links))?,
     )
 }
 
@@ -68,9 +69,111 @@ pub fn write_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
 pub(crate) const INDEX_PAGE: &str = "index.html";
 /// The page of a stability study.
 pub(crate) const STRESS_PAGE: &str = "stress.html";
+/// The page of a study of the tracer.
+pub(crate) const STUDY_PAGE: &str = "study.html";
+
+/// The pages of a report, as the others lead to them.
+const PAGES: [Link; 3] = [
+    Link {
+        page: INDEX_PAGE,
+        name: "The comparison",
+        says: "error against run time on ordinary rays",
+    },
+    Link {
+        page: STRESS_PAGE,
+        name: "Stiff and extreme cases",
+        says: "what every method does when it gets hard",
+    },
+    Link {
+        page: STUDY_PAGE,
+        name: "In a ray tracer",
+        says: "what every method is worth where rays are traced",
+    },
+];
+
+/// Where a page leads.
+#[derive(Clone, Copy, Serialize)]
+pub(crate) struct Link {
+    page: &'static str,
+    name: &'static str,
+    says: &'static str,
+}
+
+/// The pages in a folder but for one.
+fn links(folder: &Path, but: &str) -> Vec<Link> {
+    let others = PAGES.into_iter().filter(|link| link.page != but);
+    others.filter(|link| folder.join(link.page).exists()).collect()
+}
+
+/// A page of a study: what it says, its figures and its tables.
+pub(crate) struct Study {
+    pub(crate) page: &'static str,
+    pub(crate) title: &'static str,
+    pub(crate) heading: &'static str,
+    pub(crate) findings: Vec<Finding>,
+    pub(crate) tables: Vec<Titled>,
+}
+
+/// One of the answers at the head of a page.
+#[derive(Serialize)]
+pub(crate) struct Finding {
+    pub(crate) about: String,
+    pub(crate) says: String,
+    pub(crate) how: String,
+}
+
+/// A table with what stands above it.
+#[derive(Serialize)]
+pub(crate) struct Titled {
+    pub(crate) id: &'static str,
+    pub(crate) title: &'static str,
+    pub(crate) says: &'static str,
+    pub(crate) table: Table,
+}
+
+#[derive(Serialize)]
+struct StudyContext<'a> {
+    style: String,
+    header: &'a Header,
+    ghz: String,
+    title: &'static str,
+    heading: &'static str,
+    links: Vec<Link>,
+    findings: Vec<Finding>,
+    figures: Vec<FigureOnPage>,
+    tables: Vec<Titled>,
+}
+
+/// Draws the page of a study and its figures into a folder, beside the other pages of the report.
+pub(crate) fn write_study(
+    view: &View,
+    folder: &Path,
+    drawings: Vec<figures::Figure>,
+    study: Study,
+) -> Result<Page, PageError> {
+    let Study { page, title, heading, findings, tables } = study;
+    let links = links(folder, page);
+    let fill_in = |figures| {
+        render(
+            "study.html",
+            StudyContext {
+                style: style(),
+                header: view.header,
+                ghz: number(view.header.machine.core_ghz),
+                title,
+                heading,
+                links,
+                findings,
+                figures,
+                tables,
+            },
+        )
+    };
+    write(folder, page, &Drawn::of(view, drawings, fill_in)?)
+}
 
 /// Writes the figures of a page, then the page.
-pub(crate) fn write(folder: &Path, name: &str, drawn: &Drawn) -> Result<Page, PageError> {
+fn write(folder: &Path, name: &str, drawn: &Drawn) -> Result<Page, PageError> {
     let figures = folder.join("figures");
     fs::create_dir_all(&figures)
         .map_err(|source| PageError::Write { path: figures.clone(), source })?;
@@ -91,7 +194,7 @@ fn replace(path: &Path, text: &str) -> Result<(), PageError> {
 }
 
 /// The page and its files in memory.
-pub(crate) struct Drawn {
+struct Drawn {
     html: String,
     /// Name and text of each figure's file.
     files: Vec<(String, String)>,
@@ -99,7 +202,7 @@ pub(crate) struct Drawn {
 
 /// A figure as a page shows it.
 #[derive(Serialize)]
-pub(crate) struct FigureOnPage {
+struct FigureOnPage {
     name: &'static str,
     title: &'static str,
     caption: String,
@@ -194,8 +297,7 @@ struct Context<'a> {
     agreement: Vec<AgreementRow>,
     workloads: Vec<WorkloadRow>,
     methods: Vec<MethodText>,
-    /// The page of a stability study beside this one.
-    stress: Option<&'static str>,
+    links: Vec<Link>,
 }
 
 /// Columns of the table of variants after the names, with what they mean.
@@ -214,7 +316,7 @@ const COLUMNS: [(&str, &str); 10] = [
 
 impl Drawn {
     /// Draws figures, and fills them into a page.
-    pub(crate) fn of(
+    fn of(
         view: &View,
         figures: Vec<figures::Figure>,
         fill_in: impl FnOnce(Vec<FigureOnPage>) -> Result<String, minijinja::Error>,
@@ -267,7 +369,7 @@ fn measured_by(view: &View) -> String {
 fn fill_in(
     view: &View,
     figures: Vec<FigureOnPage>,
-    has_stress: bool,
+    links: Vec<Link>,
 ) -> Result<String, minijinja::Error> {
     let summary = of_view(view);
     let context = Context {
@@ -283,20 +385,20 @@ fn fill_in(
         agreement: agreement(view),
         workloads: workloads(view),
         methods: methods(view),
-        stress: has_stress.then_some(STRESS_PAGE),
+        links,
     };
     render("page.html", context)
 }
 
 /// Fills in one of the templates.
-pub(crate) fn render(template: &str, context: impl Serialize) -> Result<String, minijinja::Error> {
+fn render(template: &str, context: impl Serialize) -> Result<String, minijinja::Error> {
     let mut env = Environment::new();
     env.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
     for (name, text) in [
         ("parts.html", include_str!("../templates/parts.html")),
         ("page.html", include_str!("../templates/page.html")),
         ("page.js", include_str!("../templates/page.js")),
-        ("stress.html", include_str!("../templates/stress.html")),
+        ("study.html", include_str!("../templates/study.html")),
     ] {
         env.add_template(name, text)?;
     }
@@ -304,7 +406,7 @@ pub(crate) fn render(template: &str, context: impl Serialize) -> Result<String, 
 }
 
 /// The style sheet of all pages.
-pub(crate) fn style() -> String {
+fn style() -> String {
     format!("{}{}", css(), include_str!("../templates/page.css"))
 }
 

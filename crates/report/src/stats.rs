@@ -54,6 +54,19 @@ pub fn geometric_mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     (count > 0).then(|| (sum / f64::from(count)).exp())
 }
 
+/// The straight line through points that is nearest to them upwards, as its slope, and how far the
+/// points lie on one line at all, as their correlation; `None` for points without extent.
+pub fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let count = points.len() as f64;
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / count;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let sum = |of: &dyn Fn(f64, f64) -> f64| points.iter().map(|p| of(p.0 - x, p.1 - y)).sum();
+    let (xx, yy, xy): (f64, f64, f64) =
+        (sum(&|x, _| x * x), sum(&|_, y| y * y), sum(&|x, y| x * y));
+    let (slope, correlation) = (xy / xx, xy / (xx * yy).sqrt());
+    (slope.is_finite() && correlation.is_finite()).then_some((slope, correlation))
+}
+
 /// Nanoseconds of one test: the median sample over the tests in it. `None` where nothing was
 /// timed, so that such a record is left out instead of becoming an infinite speed.
 pub fn ns_per_test(samples_ns: &[u64], tests: u64) -> Option<f64> {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use trisect_harness::record::{
     Agreement, ByCondition, Contract, Cracks, Decisions, Error, Family, FusedDifference, Header,
     Limits, MethodFacts, Preparation, Quantiles, Record, Records, Refusal, SpecialValues,
-    StressFamily, SurfaceCracks, Throughput, Variant, Workload,
+    StressFamily, SurfaceCracks, Throughput, Traced, TreeBuilt, Variant, Workload,
 };
 
 use crate::stats::{geometric_mean, median, ns_per_test};
@@ -98,6 +98,8 @@ pub(crate) struct View<'a> {
     pub(crate) limits: Vec<&'a Limits>,
     pub(crate) contract: Vec<&'a Contract>,
     pub(crate) special_values: Vec<&'a SpecialValues>,
+    pub(crate) trees: Vec<&'a TreeBuilt>,
+    pub(crate) traced: Vec<&'a Traced>,
 }
 
 impl<'a> View<'a> {
@@ -123,6 +125,8 @@ impl<'a> View<'a> {
             limits: Vec::new(),
             contract: Vec::new(),
             special_values: Vec::new(),
+            trees: Vec::new(),
+            traced: Vec::new(),
         };
         for line in &records.lines {
             match line {
@@ -152,6 +156,8 @@ impl<'a> View<'a> {
                 Record::Limits(l) => view.limits.push(l),
                 Record::Contract(c) => view.contract.push(c),
                 Record::SpecialValues(s) => view.special_values.push(s),
+                Record::Tree(t) => view.trees.push(t),
+                Record::Traced(t) => view.traced.push(t),
             }
         }
         view.facts.sort_by(|a, b| a.year.cmp(&b.year).then(a.name.cmp(&b.name)));

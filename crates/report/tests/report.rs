@@ -370,8 +370,19 @@ fn summary_serialises() {
 }
 
 mod statistics {
-    use super::stats::{geometric_mean, mad, median, ns_per_test, pareto_front, quartiles};
+    use super::stats::{geometric_mean, line, mad, median, ns_per_test, pareto_front, quartiles};
     use proptest::prelude::*;
+
+    #[test]
+    fn of_lines() {
+        let (slope, correlation) = line(&[(0.0, 1.0), (2.0, 2.0), (4.0, 3.0)]).expect("a line");
+        assert!((slope - 0.5).abs() < 1e-12 && (correlation - 1.0).abs() < 1e-12);
+        let (slope, correlation) =
+            line(&[(-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)]).expect("no line");
+        assert_eq!((slope, correlation), (0.0, 0.0));
+        assert_eq!(line(&[]), None);
+        assert_eq!(line(&[(1.0, 1.0), (1.0, 2.0)]), None, "upright");
+    }
 
     #[test]
     fn of_short_lists() {

@@ -9,7 +9,7 @@ mod single;
 mod stream;
 mod traveller;
 
-pub use build::{Builder, RefitError, UnknownBuilder};
+pub use build::{Builder, Leaves, RefitError, UnknownBuilder};
 pub use bvh::{Bvh, Statistics};
 pub use dispatch::{Tracing, Tree};
 pub use traveller::TriangleHit;

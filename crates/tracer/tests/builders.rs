@@ -5,7 +5,7 @@ mod common;
 use common::{answers, rays_of, traced, tree_by};
 use trisect_core::{Culling, Method, Ray, Triangle, Vec3};
 use trisect_moller_trumbore::MollerTrumbore;
-use trisect_tracer::{Builder, Bvh, RefitError, Statistics, Tracing, Tree};
+use trisect_tracer::{Builder, Bvh, Leaves, RefitError, Statistics, Tracing, Tree};
 use trisect_wald::Wald;
 use trisect_watertight::Watertight;
 use trisect_workloads::{Bounds, Mesh, Placement, Stream, Surface};
@@ -252,4 +252,22 @@ fn builders_are_found_by_their_names() {
     }
     let unknown = "best".parse::<Builder>().expect_err("there is none").to_string();
     assert!(Builder::ALL.iter().all(|builder| unknown.contains(builder.name())), "{unknown}");
+}
+
+#[test]
+fn leaves_of_any_size_give_the_same_answers() {
+    let scene = hall();
+    let trees = Leaves::ALL.map(|leaves| {
+        Bvh::<MollerTrumbore>::build_with(&scene.triangles, Builder::Spatial, leaves)
+            .expect("it takes all meshes")
+    });
+    let nodes = trees.each_ref().map(|tree| tree.statistics().nodes);
+    assert!(nodes[0] > nodes[1] && nodes[1] > nodes[2], "{nodes:?}");
+    answers("leaves", &trees, &scene.triangles, &rays_of(&scene));
+    // Of a method that tells triangles apart.
+    let trees = Leaves::ALL.map(|leaves| {
+        Bvh::<Wald>::build_with(&scene.triangles, Builder::Spatial, leaves)
+            .expect("it takes all meshes")
+    });
+    answers("leaves", &trees, &scene.triangles, &rays_of(&scene));
 }

@@ -1,9 +1,7 @@
 //! Tables of the stability study: each once, as heads and cells, for pages and documents alike.
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 
-use serde::Serialize;
 use trisect_harness::record::{Clause, Limits, StressFamily, StressLevel};
 
 use super::figures::level_text;
@@ -11,33 +9,8 @@ use super::findings::{ENDLESS, far};
 use super::summary::{StressRow, magnitude, of_view};
 use super::{families, family_names, first_failure, stands_for};
 use crate::format::{grouped, number, or_dash, scientific};
-use crate::markdown::measured;
+use crate::markdown::Table;
 use crate::view::View;
-
-/// A table with names in its first column and numbers in the others.
-#[derive(Serialize)]
-pub(crate) struct Table {
-    pub(crate) head: Vec<String>,
-    pub(crate) rows: Vec<Vec<String>>,
-}
-
-impl Table {
-    fn new(head: &[&str]) -> Self {
-        Self { head: head.iter().map(ToString::to_string).collect(), rows: Vec::new() }
-    }
-
-    /// As Markdown, names as code.
-    fn markdown(&self) -> String {
-        let mut text = format!("| {} |\n| ---", self.head.join(" | "));
-        text.push_str(&" | --:".repeat(self.head.len() - 1));
-        text.push_str(" |\n");
-        for row in &self.rows {
-            // Writing to a string cannot fail.
-            let _ = writeln!(text, "| `{}` | {} |", row[0], row[1..].join(" | "));
-        }
-        text
-    }
-}
 
 /// A row per method in one precision.
 pub(crate) fn methods(view: &View, precision: &str) -> Table {
@@ -325,10 +298,4 @@ pub(crate) fn watertight(view: &View) -> Table {
         }
     }
     table
-}
-
-/// A part of a document: its table, and the sentence below it.
-pub(crate) fn part(view: &View, table: &Table, says: &str) -> String {
-    let says = if says.is_empty() { String::new() } else { format!("{says} ") };
-    format!("{}\n{says}{}\n", table.markdown(), measured(view))
 }

@@ -2,66 +2,35 @@
 
 use std::path::Path;
 
-use serde::Serialize;
-use trisect_harness::record::{Header, Records};
+use trisect_harness::record::Records;
 
 use super::figures;
-use super::markdown::{self, Table};
+use super::markdown;
 use super::summary::{StressRow, StressSummary, of_view};
 use crate::format::{grouped, number, scientific};
-use crate::page::{
-    Drawn, FigureOnPage, INDEX_PAGE, Page, PageError, STRESS_PAGE, render, style, write,
-};
+use crate::page::{Finding, Page, PageError, STRESS_PAGE, Study, Titled, write_study};
 use crate::view::{BASELINE, View};
 
-/// Draws the page of the stability study and its figures into a folder, beside the page of a
-/// comparison where there is one: it leads there, and that page leads here when it is drawn again.
+/// Draws the page of the stability study and its figures into a folder, beside the other pages of the
+/// report: it leads there, and they lead here when they are drawn again.
 ///
 /// # Errors
 /// As [`write_page`](crate::write_page).
 pub fn write_stress_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
     let view = View::new(records);
-    let has_index = folder.join(INDEX_PAGE).exists();
-    let drawn =
-        Drawn::of(&view, figures::all(&view), |on_page| fill_in(&view, on_page, has_index))?;
-    write(folder, STRESS_PAGE, &drawn)
+    let study = Study {
+        page: STRESS_PAGE,
+        title: "Ray–triangle intersection, stiff and extreme",
+        heading: "Stiff and extreme cases",
+        findings: findings(&view, &of_view(&view)),
+        tables: tables(&view),
+    };
+    write_study(&view, folder, figures::all(&view), study)
 }
 
-#[derive(Serialize)]
-struct Context<'a> {
-    style: String,
-    header: &'a Header,
-    ghz: String,
-    index: Option<&'static str>,
-    findings: Vec<Finding>,
-    figures: Vec<FigureOnPage>,
-    tables: Vec<Titled>,
-}
-
-/// A table with what stands above it.
-#[derive(Serialize)]
-struct Titled {
-    id: &'static str,
-    title: &'static str,
-    says: &'static str,
-    table: Table,
-}
-
-/// One of the answers at the head of the page.
-#[derive(Serialize)]
-struct Finding {
-    about: String,
-    says: String,
-    how: String,
-}
-
-fn fill_in(
-    view: &View,
-    figures: Vec<FigureOnPage>,
-    has_index: bool,
-) -> Result<String, minijinja::Error> {
+fn tables(view: &View) -> Vec<Titled> {
     let table = |id, title, says, table| Titled { id, title, says, table };
-    let tables = vec![
+    vec![
         table("f32", "All methods in f32", markdown::METHODS, markdown::methods(view, "f32")),
         table("f64", "All methods in f64", markdown::METHODS, markdown::methods(view, "f64")),
         table(
@@ -99,17 +68,7 @@ fn fill_in(
             markdown::ARITHMETIC,
             markdown::arithmetic(view),
         ),
-    ];
-    let context = Context {
-        style: style(),
-        header: view.header,
-        ghz: number(view.header.machine.core_ghz),
-        index: has_index.then_some(INDEX_PAGE),
-        findings: findings(view, &of_view(view)),
-        figures,
-        tables,
-    };
-    render("stress.html", context)
+    ]
 }
 
 fn findings(view: &View, summary: &StressSummary) -> Vec<Finding> {

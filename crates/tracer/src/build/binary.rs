@@ -4,6 +4,7 @@
 //! left child is next, the right one follows the places of the left. So both sides of a split can be
 //! built side by side in place, whatever the number of threads.
 
+use super::Leaves;
 use super::collapse::{Choices, Costs};
 use super::corners::{Corners, Reference};
 
@@ -65,6 +66,8 @@ pub(crate) struct Built {
 pub(crate) struct Room<'a> {
     pub(crate) nodes: &'a mut [Stored],
     pub(crate) numbers: &'a mut [u32],
+    /// What may become of it.
+    pub(crate) leaves: Leaves,
 }
 
 impl<'a> Room<'a> {
@@ -73,16 +76,24 @@ impl<'a> Room<'a> {
         let (root, below) = self.nodes.split_first_mut().expect("a subtree has a root");
         let (left_nodes, right_nodes) = below.split_at_mut(places(left));
         let (left_numbers, right_numbers) = self.numbers.split_at_mut(left);
-        let left = Self { nodes: left_nodes, numbers: left_numbers };
-        (root, left, Room { nodes: right_nodes, numbers: right_numbers })
+        let leaves = self.leaves;
+        let left = Self { nodes: left_nodes, numbers: left_numbers, leaves };
+        (root, left, Room { nodes: right_nodes, numbers: right_numbers, leaves })
     }
 }
 
 /// A node over two children, stored at `root`.
-pub(crate) fn join(root: &mut Stored, room_left: usize, left: &Built, right: &Built) -> Built {
+pub(crate) fn join(
+    leaves: Leaves,
+    root: &mut Stored,
+    room_left: usize,
+    left: &Built,
+    right: &Built,
+) -> Built {
     let bounds = left.bounds.with(&right.bounds);
-    let (costs, choices) =
-        super::collapse::inner(&bounds, (&left.costs, left.count), (&right.costs, right.count));
+    let of_left = (&left.costs, left.count);
+    let of_right = (&right.costs, right.count);
+    let (costs, choices) = super::collapse::inner(leaves, &bounds, of_left, of_right);
     *root = Binary { bounds, left: room_left, choices }.store();
     Built { bounds, costs, count: left.count + right.count }
 }

@@ -5,11 +5,9 @@
 //! so is a block of triangles. Costs pass from the children to their parent as the binary tree is built;
 //! what is kept of them is the choice, in one number per node.
 
+use super::Leaves;
 use super::corners::Corners;
 use crate::bvh::WIDTH;
-
-/// Blocks of a leaf, at most.
-const BLOCKS: usize = 2;
 
 /// The costs of a subtree, by the number of roots (1 to 7) that it may become: the more roots, the less.
 pub(crate) type Costs = [f32; WIDTH];
@@ -66,13 +64,15 @@ fn count_bits(count: usize) -> u32 {
 
 /// A node of the binary tree without children: a leaf.
 pub(crate) fn leaf(bounds: &Corners, count: usize) -> (Costs, Choices) {
-    debug_assert!(count <= BLOCKS * WIDTH);
+    debug_assert!(count <= WIDTH, "a block fits in every leaf");
     let cost = bounds.half_area() * count.div_ceil(WIDTH) as f32;
     ([cost; WIDTH], Choices(1 | 7 << ONE_SHIFT | count_bits(count)))
 }
 
-/// A node of the binary tree, from the costs of its children and how many references each has.
+/// A node of the binary tree, from the costs of its children and how many references each has; it may
+/// become one of these leaves.
 pub(crate) fn inner(
+    leaves: Leaves,
     bounds: &Corners,
     (left, left_count): (&Costs, usize),
     (right, right_count): (&Costs, usize),
@@ -105,14 +105,16 @@ pub(crate) fn inner(
     let mut one = forests[WIDTH] + area;
     let leaf = area * blocks as f32;
     let is_cheaper = one < leaf;
-    let is_leaf = blocks <= BLOCKS && !is_cheaper;
+    let is_leaf = leaves.take(blocks, is_cheaper);
     if is_leaf {
         one = leaf;
     }
     let mut costs = [one; WIDTH];
     let mut as_good = 1;
+    // What is a leaf at any price is not divided between children of a node above either.
+    let stays_whole = leaves.take(blocks, true);
     for roots in 2..WIDTH {
-        if forests[roots] < one {
+        if forests[roots] < one && !stays_whole {
             costs[roots] = forests[roots];
         } else {
             as_good += 1;
@@ -129,6 +131,7 @@ mod tests {
 
     /// The least cost of a forest of up to so many roots, of all there are.
     fn least(
+        leaves: Leaves,
         nodes: &[(Corners, usize)],
         known: &mut HashMap<(usize, usize), f32>,
         at: usize,
@@ -139,19 +142,20 @@ mod tests {
         }
         let (bounds, count) = nodes[at];
         let area = bounds.half_area();
-        let mut best = if count <= BLOCKS * WIDTH {
+        let mut best = if leaves.take(count.div_ceil(WIDTH), false) {
             area * count.div_ceil(WIDTH) as f32
         } else {
             f32::INFINITY
         };
-        if count > 1 {
+        // Where it has a choice.
+        if count > 1 && !leaves.take(count.div_ceil(WIDTH), true) {
             let left = at + 1;
             let right = left + 2 * nodes[left].1 - 1;
             // As a forest, or as one root with eight children.
             for (roots, more) in [(roots, 0.0), (WIDTH, area)] {
                 for to_left in 1..roots {
-                    let cost = least(nodes, known, left, to_left)
-                        + least(nodes, known, right, roots - to_left);
+                    let cost = least(leaves, nodes, known, left, to_left)
+                        + least(leaves, nodes, known, right, roots - to_left);
                     best = best.min(cost + more);
                 }
             }
@@ -162,6 +166,7 @@ mod tests {
 
     /// A random binary tree over boxes along a line, and the costs of its root.
     fn tree(
+        leaves: Leaves,
         nodes: &mut Vec<(Corners, usize)>,
         sizes: &mut impl FnMut() -> f32,
         count: usize,
@@ -177,11 +182,12 @@ mod tests {
         }
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
         let on_left = 1 + (sizes() * (count - 1) as f32) as usize % (count - 1);
-        let (left, left_costs) = tree(nodes, sizes, on_left);
-        let (right, right_costs) = tree(nodes, sizes, count - on_left);
+        let (left, left_costs) = tree(leaves, nodes, sizes, on_left);
+        let (right, right_costs) = tree(leaves, nodes, sizes, count - on_left);
         let bounds = left.with(&right);
         nodes[at].0 = bounds;
-        let (costs, _) = inner(&bounds, (&left_costs, on_left), (&right_costs, count - on_left));
+        let (costs, _) =
+            inner(leaves, &bounds, (&left_costs, on_left), (&right_costs, count - on_left));
         (bounds, costs)
     }
 
@@ -190,13 +196,14 @@ mod tests {
         let mut stream = trisect_workloads::Stream::new("cuts", 1);
         #[allow(clippy::cast_possible_truncation, reason = "rounds")]
         let mut sizes = || stream.unit_f64() as f32;
-        for count in [2, 3, 8, 9, 17, 40, 200] {
-            for _ in 0..3 {
-                let mut nodes = Vec::new();
-                let (_, costs) = tree(&mut nodes, &mut sizes, count);
-                let least = least(&nodes, &mut HashMap::new(), 0, 1);
-                assert!((costs[1] - least).abs() <= 1e-4 * least, "{count}: {costs:?} {least}");
-            }
+        for (count, leaves) in [2, 3, 8, 9, 17, 40, 200]
+            .into_iter()
+            .flat_map(|count| Leaves::ALL.map(|leaves| (count, leaves)))
+        {
+            let mut nodes = Vec::new();
+            let (_, costs) = tree(leaves, &mut nodes, &mut sizes, count);
+            let least = least(leaves, &nodes, &mut HashMap::new(), 0, 1);
+            assert!((costs[1] - least).abs() <= 1e-4 * least, "{count}: {costs:?} {least}");
         }
     }
 }

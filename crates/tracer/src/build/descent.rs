@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use super::PARALLEL;
 use super::binary::{self, Built, Room, Tree, extent, places};
 use super::bins::{Bins, Grid, Split};
 use super::corners::{Corners, Reference};
 use super::spatial::{self, Cuts};
 use super::sweep::{self, FEW};
+use super::{Leaves, PARALLEL};
 use crate::bvh::WIDTH;
 
 /// Beyond this depth references are halved, whatever it costs: depth stays bounded.
@@ -39,7 +39,12 @@ struct Space<'a> {
 
 /// The tree over the first `count` of `references`; the other places are room for parts of triangles,
 /// where they may be cut.
-pub(crate) fn build(references: &mut [Reference], count: usize, cuts: Option<&Cuts<'_>>) -> Tree {
+pub(crate) fn build(
+    references: &mut [Reference],
+    count: usize,
+    cuts: Option<&Cuts<'_>>,
+    leaves: Leaves,
+) -> Tree {
     let room = references.len();
     let mut tree = Tree { nodes: vec![[0; 8]; places(room)], numbers: vec![0; room] };
     if count > 0 {
@@ -48,7 +53,7 @@ pub(crate) fn build(references: &mut [Reference], count: usize, cuts: Option<&Cu
         if cuts.is_some() {
             descent.overlap = OVERLAP * extent(&references[..count]).0.half_area();
         }
-        let room = Room { nodes: &mut tree.nodes, numbers: &mut tree.numbers };
+        let room = Room { nodes: &mut tree.nodes, numbers: &mut tree.numbers, leaves };
         descent.subtree(Space { from: references, to: &mut other, room }, 0..count, 0);
     }
     tree
@@ -62,6 +67,7 @@ impl Descent<'_> {
         }
         let Space { from, to, room } = space;
         let Sides { left, right, room_left } = self.split(&from[places], to, depth);
+        let leaves = room.leaves;
         let (root, left_room, right_room) = room.split(room_left);
         let (left_to, right_to) = from.split_at_mut(room_left);
         let (left_from, right_from) = to.split_at_mut(room_left);
@@ -75,7 +81,7 @@ impl Descent<'_> {
         } else {
             (self.subtree(left_space, left, depth + 1), self.subtree(right_space, right, depth + 1))
         };
-        binary::join(root, room_left, &left, &right)
+        binary::join(leaves, root, room_left, &left, &right)
     }
 
     /// Puts the references of either side in places of `to`: at least one on each side.

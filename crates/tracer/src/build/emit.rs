@@ -4,8 +4,8 @@ use std::cmp::Reverse;
 
 use rayon::prelude::*;
 
-use super::PARALLEL;
 use super::binary::{Binary, Tree, places};
+use super::{Leaves, PARALLEL};
 use crate::bvh::{Child, Node, WIDTH, child, leaf};
 
 /// Triangles of a block, of one kind; the last one fills it up.
@@ -16,7 +16,7 @@ pub(crate) struct Members {
 }
 
 /// Triangles of a leaf, at most.
-const LEAF: usize = 2 * WIDTH;
+const LEAF: usize = Leaves::ThirtyTwo.blocks() * WIDTH;
 
 /// The kinds of triangles.
 #[derive(Clone, Copy)]

@@ -6,18 +6,18 @@
 
 use rayon::prelude::*;
 
-use super::PARALLEL;
 use super::binary::{self, Built, Room, Tree, extent, places};
 use super::corners::{Corners, Reference, number};
+use super::{Leaves, PARALLEL};
 use crate::bvh::WIDTH;
 
 /// The tree over `references`, down to what fits in a block.
-pub(crate) fn build(references: &[Reference]) -> Tree {
+pub(crate) fn build(references: &[Reference], leaves: Leaves) -> Tree {
     let count = references.len();
     let mut tree = Tree { nodes: vec![[0; 8]; places(count)], numbers: vec![0; count] };
     if count > 0 {
         let keys = keys(references);
-        let room = Room { nodes: &mut tree.nodes, numbers: &mut tree.numbers };
+        let room = Room { nodes: &mut tree.nodes, numbers: &mut tree.numbers, leaves };
         Linear { references, place_bits: place_bits(count) }.subtree(&keys, room);
     }
     tree
@@ -93,6 +93,7 @@ impl Linear<'_> {
         }
         let on_left = self.split(keys);
         let (left_keys, right_keys) = keys.split_at(on_left);
+        let leaves = room.leaves;
         let (root, left_room, right_room) = room.split(on_left);
         let (left, right) = if count >= PARALLEL {
             rayon::join(
@@ -102,7 +103,7 @@ impl Linear<'_> {
         } else {
             (self.subtree(left_keys, left_room), self.subtree(right_keys, right_room))
         };
-        binary::join(root, on_left, &left, &right)
+        binary::join(leaves, root, on_left, &left, &right)
     }
 
     /// How many are on the left: as the highest bit has it that differs, or half, in whole
@@ -116,7 +117,7 @@ impl Linear<'_> {
         keys.partition_point(|key| key & highest == 0)
     }
 
-    fn leaf(&self, keys: &[u64], Room { nodes, numbers }: Room<'_>) -> Built {
+    fn leaf(&self, keys: &[u64], Room { nodes, numbers, .. }: Room<'_>) -> Built {
         let places = (1_u64 << self.place_bits) - 1;
         let mut bounds = Corners::EMPTY;
         for (to, key) in numbers.iter_mut().zip(keys) {

@@ -65,6 +65,46 @@ impl fmt::Display for Builder {
     }
 }
 
+/// When triangles that are together in the tree become a leaf.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Leaves {
+    /// Where that is cheaper than a node over them, up to sixteen: the fastest to trace. Eight always do,
+    /// as they are tested at once.
+    #[default]
+    Cheapest,
+    /// Sixteen always do: a smaller tree, in which more triangles are tested.
+    Sixteen,
+    /// Thirty-two always do.
+    ThirtyTwo,
+}
+
+impl Leaves {
+    /// All, those with the fewest triangles first.
+    pub const ALL: [Self; 3] = [Self::Cheapest, Self::Sixteen, Self::ThirtyTwo];
+
+    /// The name that records use.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Cheapest => "cheapest",
+            Self::Sixteen => "16",
+            Self::ThirtyTwo => "32",
+        }
+    }
+
+    /// Blocks of eight triangles of one kind, at most; triangles of several kinds may take two more.
+    pub(crate) const fn blocks(self) -> usize {
+        match self {
+            Self::Cheapest | Self::Sixteen => 2,
+            Self::ThirtyTwo => 4,
+        }
+    }
+
+    /// Whether so many blocks become a leaf, given whether a node over them is cheaper.
+    pub(crate) const fn take(self, blocks: usize, node_is_cheaper: bool) -> bool {
+        blocks <= self.blocks() && !(matches!(self, Self::Cheapest) && node_is_cheaper)
+    }
+}
+
 /// No builder has this name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("no builder is called {0:?}: they are linear, binned and spatial")]
@@ -92,8 +132,24 @@ impl<M: Method> Bvh<M> {
     /// # Panics
     /// When there are more than `u32::MAX − 1` triangles, or more than 2²⁸ blocks.
     pub fn build(triangles: &[Triangle<f32>], builder: Builder) -> Result<Self, UnsuitableMesh> {
+        Self::build_with(triangles, builder, Leaves::default())
+    }
+
+    /// The same with leaves of a size of choice.
+    ///
+    /// # Errors
+    /// As [`Bvh::build`].
+    ///
+    /// # Panics
+    /// As [`Bvh::build`].
+    pub fn build_with(
+        triangles: &[Triangle<f32>],
+        builder: Builder,
+        leaves: Leaves,
+    ) -> Result<Self, UnsuitableMesh> {
         let kinds = KindsOf::new::<M>(triangles)?;
-        let Outline { layout, bounds, unit, left_out } = outline(triangles, builder, kinds.kinds());
+        let Outline { layout, bounds, unit, left_out } =
+            outline(triangles, builder, leaves, kinds.kinds());
         let Layout { nodes, blocks: members, depth, references } = layout;
         let (blocks, groups) = blocks::<M>(triangles, &members);
         let origin = Origin { builder, triangles: triangles.len(), left_out, references };
@@ -163,7 +219,12 @@ struct Outline {
     left_out: Vec<u32>,
 }
 
-fn outline(triangles: &[Triangle<f32>], builder: Builder, kinds: Kinds<'_>) -> Outline {
+fn outline(
+    triangles: &[Triangle<f32>],
+    builder: Builder,
+    leaves: Leaves,
+    kinds: Kinds<'_>,
+) -> Outline {
     assert!(triangles.len() < u32::MAX as usize, "more triangles than numbers");
     let splits = builder == Builder::Spatial && triangles.len() >= SCENE;
     // Room for parts of triangles: half as many as there are triangles.
@@ -183,11 +244,11 @@ fn outline(triangles: &[Triangle<f32>], builder: Builder, kinds: Kinds<'_>) -> O
     // Eight units of roundoff on either side.
     let cuts = Cuts { triangles, margin: largest * (4.0 * f32::EPSILON) };
     let tree = match builder {
-        Builder::Linear => linear::build(&references),
-        Builder::Binned => descent::build(&mut references, count, None),
+        Builder::Linear => linear::build(&references, leaves),
+        Builder::Binned => descent::build(&mut references, count, None, leaves),
         Builder::Spatial => {
             let cuts = (splits && unit == 1.0).then_some(&cuts);
-            descent::build(&mut references, count, cuts)
+            descent::build(&mut references, count, cuts, leaves)
         }
     };
     let layout = emit::emit(&tree, kinds);
@@ -280,9 +341,9 @@ mod tests {
         for builder in Builder::ALL {
             let of_threads = |threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-                let layout = pool
-                    .expect("there are threads")
-                    .install(|| outline(&triangles, builder, Kinds::All(0)).layout);
+                let layout = pool.expect("there are threads").install(|| {
+                    outline(&triangles, builder, Leaves::default(), Kinds::All(0)).layout
+                });
                 let coordinates = layout.nodes.iter().flat_map(|node| node.bounds).flatten();
                 let coordinates: Vec<u32> = coordinates.flatten().map(f32::to_bits).collect();
                 let children: Vec<_> = layout.nodes.iter().map(|node| node.children).collect();
@@ -302,7 +363,8 @@ mod tests {
         let mut triangles = scene();
         triangles[1000].b = triangles[1000].a;
         for builder in Builder::ALL {
-            let Outline { layout, left_out, .. } = outline(&triangles, builder, Kinds::All(0));
+            let Outline { layout, left_out, .. } =
+                outline(&triangles, builder, Leaves::default(), Kinds::All(0));
             assert_eq!(left_out, [1000], "{builder}");
             let mut found = vec![0_u32; triangles.len()];
             let mut references = 0;

@@ -5,6 +5,7 @@
 //! fast kd-Trees for Ray Tracing, and on doing that in O(N log N). IEEE Symposium on Interactive Ray
 //! Tracing, 2006.
 
+use super::Leaves;
 use super::binary::{self, Built, Room, Stored};
 use super::corners::{Corners, Reference, number};
 use crate::bvh::WIDTH;
@@ -19,7 +20,8 @@ struct Few {
 }
 
 /// The tree over a few references, down to one each.
-pub(crate) fn build(references: &[Reference], Room { nodes, numbers }: Room<'_>) -> Built {
+pub(crate) fn build(references: &[Reference], room: Room<'_>) -> Built {
+    let Room { nodes, numbers, leaves } = room;
     let count = references.len();
     let mut few = Few { corners: [Corners::EMPTY; FEW], orders: [[0; FEW]; 3] };
     for (corners, reference) in few.corners.iter_mut().zip(references) {
@@ -37,7 +39,7 @@ pub(crate) fn build(references: &[Reference], Room { nodes, numbers }: Room<'_>)
             *place = lowest;
         }
     }
-    let built = few.subtree(0, count, nodes);
+    let built = few.subtree(leaves, 0, count, nodes);
     for (to, &place) in numbers.iter_mut().zip(&few.orders[0][..count]) {
         *to = number(&references[usize::from(place)]);
     }
@@ -56,16 +58,22 @@ impl Few {
         &self.corners[usize::from(self.orders[axis][place % FEW]) % FEW]
     }
 
-    fn subtree(&mut self, first: usize, count: usize, nodes: &mut [Stored]) -> Built {
+    fn subtree(
+        &mut self,
+        leaves: Leaves,
+        first: usize,
+        count: usize,
+        nodes: &mut [Stored],
+    ) -> Built {
         if count == 1 {
             return binary::leaf(&mut nodes[0], *self.at(0, first), 1);
         }
         let on_left = if count == 2 { 1 } else { self.split(first, count) };
         let (root, below) = nodes.split_first_mut().expect("a subtree has a root");
         let (left, right) = below.split_at_mut(binary::places(on_left));
-        let left = self.subtree(first, on_left, left);
-        let right = self.subtree(first + on_left, count - on_left, right);
-        binary::join(root, on_left, &left, &right)
+        let left = self.subtree(leaves, first, on_left, left);
+        let right = self.subtree(leaves, first + on_left, count - on_left, right);
+        binary::join(leaves, root, on_left, &left, &right)
     }
 
     /// Puts both sides of the cheapest split together in every order; how many are on the left.

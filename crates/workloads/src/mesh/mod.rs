@@ -4,6 +4,7 @@
 //! decides what a mesh is. Vertices and faces are numbered from 0 in the order of the file.
 
 mod gltf;
+mod hall;
 mod obj;
 mod ply;
 mod stl;

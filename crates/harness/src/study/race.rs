@@ -1,0 +1,191 @@
+//! Trees that trace the same rays in turn; every sample is verified.
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use rand::seq::SliceRandom as _;
+use rand_pcg::Pcg64;
+use rayon::ThreadPool;
+use trisect_catalog::{Tracing, Tree, TriangleHit};
+use trisect_core::Culling;
+
+use super::rays::Class;
+use crate::timing::WrongAnswer;
+
+/// Rays of a turn: enough that the caches are a contender's own for most of them, few enough that all
+/// meet the same weather.
+const SLICE: usize = 1 << 14;
+
+/// How many rays make a turn.
+#[derive(Clone, Copy)]
+pub(super) enum Order {
+    /// A slice of a round's rays, so that turns are short.
+    Slices,
+    /// All of a round's rays, so that threads have enough to share.
+    Whole,
+}
+
+/// A tree and a way to trace it.
+pub(super) struct Contender<'a> {
+    tree: &'a dyn Tree,
+    tracing: Tracing,
+    ray_by_ray: bool,
+    pub pool: &'a ThreadPool,
+    pub samples_ns: Vec<u64>,
+    pub hits: u64,
+    /// Rays that hit here and miss in plain arithmetic, or the other way round.
+    pub differ: u64,
+}
+
+/// Where hits are written.
+enum Places {
+    Closest(Vec<Option<TriangleHit>>),
+    Any(Vec<bool>),
+}
+
+impl Places {
+    fn of(class: &Class) -> Self {
+        if class.any {
+            Self::Any(vec![false; class.rays.len()])
+        } else {
+            Self::Closest(vec![None; class.rays.len()])
+        }
+    }
+
+    fn forget(&mut self, slice: Range<usize>) {
+        match self {
+            Self::Closest(found) => found[slice].fill(None),
+            Self::Any(found) => found[slice].fill(false),
+        }
+    }
+
+    fn is_hit(&self, ray: usize) -> bool {
+        match self {
+            Self::Closest(found) => found[ray].is_some(),
+            Self::Any(found) => found[ray],
+        }
+    }
+
+    fn hits(&self, slice: Range<usize>) -> u64 {
+        slice.filter(|&ray| self.is_hit(ray)).count() as u64
+    }
+}
+
+impl<'a> Contender<'a> {
+    pub(super) fn new(tree: &'a dyn Tree, tracing: Tracing, pool: &'a ThreadPool) -> Self {
+        let samples_ns = Vec::new();
+        Self { tree, tracing, ray_by_ray: false, pool, samples_ns, hits: 0, differ: 0 }
+    }
+
+    /// The same with one call of the tree for each ray.
+    pub(super) fn ray_by_ray(self) -> Self {
+        Self { ray_by_ray: true, ..self }
+    }
+
+    pub(super) fn tracing_name(&self) -> &'static str {
+        match self.tracing {
+            Tracing::Single => "single",
+            Tracing::Stream => "stream",
+            Tracing::Plain => "plain",
+        }
+    }
+
+    pub(super) fn calls_name(&self) -> &'static str {
+        if self.ray_by_ray { "ray" } else { "batch" }
+    }
+
+    /// Traces a slice of the rays; how long that took.
+    fn turn(&self, class: &Class, slice: Range<usize>, places: &mut Places) -> Duration {
+        let rays = &class.rays[slice.clone()];
+        let chunk = if self.ray_by_ray { 1 } else { rays.len() };
+        let (tree, tracing) = (self.tree, self.tracing);
+        self.pool.install(|| {
+            let start = Instant::now();
+            match places {
+                Places::Closest(found) => {
+                    for (rays, found) in rays.chunks(chunk).zip(found[slice].chunks_mut(chunk)) {
+                        tree.closest(tracing, Culling::None, rays, found);
+                    }
+                }
+                Places::Any(found) => {
+                    for (rays, found) in rays.chunks(chunk).zip(found[slice].chunks_mut(chunk)) {
+                        tree.any(tracing, Culling::None, rays, found);
+                    }
+                }
+            }
+            start.elapsed()
+        })
+    }
+
+    fn wrong(&self, class: &Class, found: u64, expected: u64) -> WrongAnswer {
+        let Self { tracing, .. } = self;
+        WrongAnswer {
+            kernel: format!("{tracing:?} tracing of {} rays", class.name),
+            found: format!("{found} hits"),
+            expected: format!("{expected}"),
+        }
+    }
+}
+
+/// Rays whose decision rounding explains, of so many: those that pass within rounding of an edge.
+fn explained(rays: usize) -> u64 {
+    2 + rays as u64 / 1000
+}
+
+/// Times each contender over all rays once per round, in turns whose order is drawn by lot. Before
+/// that each traces all rays once, which is not timed, and is held to what its tree says in plain
+/// arithmetic; every timed turn has to find as many hits as that.
+pub(super) fn race(
+    contenders: &mut [Contender<'_>],
+    class: &Class,
+    rounds: usize,
+    random: &mut Pcg64,
+    order: Order,
+) -> Result<(), WrongAnswer> {
+    let count = class.rays.len();
+    let length = match order {
+        Order::Slices => SLICE,
+        Order::Whole => count,
+    };
+    let slices: Vec<Range<usize>> =
+        (0..count).step_by(length).map(|start| start..count.min(start + length)).collect();
+    let mut places = Places::of(class);
+    // Hits of each contender in each slice.
+    let mut expected = Vec::new();
+    for contender in &mut *contenders {
+        let mut plain = Places::of(class);
+        let as_plain = Contender::new(contender.tree, Tracing::Plain, contender.pool);
+        as_plain.turn(class, 0..count, &mut plain);
+        places.forget(0..count);
+        for slice in &slices {
+            contender.turn(class, slice.clone(), &mut places);
+        }
+        contender.hits = places.hits(0..count);
+        contender.differ =
+            (0..count).filter(|&ray| places.is_hit(ray) != plain.is_hit(ray)).count() as u64;
+        if contender.differ > explained(count) {
+            return Err(contender.wrong(class, contender.hits, plain.hits(0..count)));
+        }
+        expected.push(slices.iter().map(|slice| places.hits(slice.clone())).collect::<Vec<_>>());
+    }
+    let mut turns: Vec<usize> = (0..contenders.len()).collect();
+    for _ in 0..rounds {
+        let mut times = vec![Duration::ZERO; contenders.len()];
+        for (number, slice) in slices.iter().enumerate() {
+            turns.shuffle(random);
+            for &turn in &turns {
+                let contender = &contenders[turn];
+                places.forget(slice.clone());
+                times[turn] += contender.turn(class, slice.clone(), &mut places);
+                let hits = places.hits(slice.clone());
+                if hits != expected[turn][number] {
+                    return Err(contender.wrong(class, hits, expected[turn][number]));
+                }
+            }
+        }
+        for (contender, time) in contenders.iter_mut().zip(times) {
+            contender.samples_ns.push(u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,163 @@
+//! What a terminal prints after the study of the tracer.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+use trisect_harness::record::{Contest, Header, Records};
+
+use super::{classes, kernel_gain, kernel_ns, middle, speed, traced, tracer_gain, trees};
+use crate::format::{mtests, number, or_dash};
+use crate::stats::{geometric_mean, line};
+use crate::text::{Table, wrap};
+use crate::view::View;
+
+/// The study of the tracer in a screenful.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StudySummary {
+    /// Who studied, where and how.
+    pub header: Header,
+    /// A row per method, by year.
+    pub rows: Vec<StudyRow>,
+    /// What part of a kernel's gain, as a power, is left in single rays for their closest hits: 1 where
+    /// a tracer gains as much as its kernel does, 0 where it gains nothing.
+    pub survives: Option<f64>,
+    /// The correlation of both gains' logarithms over methods.
+    pub correlation: Option<f64>,
+}
+
+/// What was found about one method, on one thread.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StudyRow {
+    /// Name in the catalogue.
+    pub method: String,
+    /// Million tests per second of the kernel alone, asked for the fullest hit.
+    pub kernel_million_tests_per_second: Option<f64>,
+    /// Its speed over that of Möller–Trumbore's.
+    pub kernel_gain: Option<f64>,
+    /// Million single rays per second by class, geometric mean over scenes.
+    pub single: BTreeMap<String, f64>,
+    /// The same of rays in streams.
+    pub stream: BTreeMap<String, f64>,
+    /// Speed of single rays over that of Möller–Trumbore's, geometric mean over scenes and classes.
+    pub single_gain: Option<f64>,
+    /// The same of rays in streams.
+    pub stream_gain: Option<f64>,
+    /// Milliseconds to build the trees of all scenes.
+    pub build_ms: Option<f64>,
+    /// Bytes of the trees of all scenes per triangle.
+    pub bytes_per_triangle: Option<f64>,
+    /// Rays per million, over scenes, classes and ways to trace, whose decision differs from the same
+    /// method's in plain arithmetic.
+    pub differ_per_million: f64,
+}
+
+/// Sums up what was studied.
+pub fn study_summary(records: &Records) -> StudySummary {
+    of_view(&View::new(records))
+}
+
+pub(super) fn of_view(view: &View) -> StudySummary {
+    let took_part = |method: &str| traced(view, Contest::Methods).any(|t| t.method == method);
+    let methods = view.methods().iter().filter(|method| took_part(method));
+    let rows: Vec<StudyRow> = methods.map(|method| row(view, method)).collect();
+    let (survives, correlation) = survival(view, "single", false).unzip();
+    StudySummary { header: view.header.clone(), rows, survives, correlation }
+}
+
+fn row(view: &View, method: &str) -> StudyRow {
+    let by_class = |tracing: &str| {
+        let of = |class: &str| {
+            let mine = traced(view, Contest::Methods)
+                .filter(|t| t.method == method && t.tracing == tracing && t.class == class);
+            geometric_mean(mine.filter_map(speed))
+        };
+        let classes = classes(view).into_iter();
+        classes.filter_map(|class| Some((class.to_owned(), of(class)?))).collect()
+    };
+    let mine = || trees(view, Contest::Methods).filter(|tree| tree.method == method);
+    let build: Option<f64> = mine().map(|tree| middle(&tree.samples_ns)).sum();
+    let (bytes, triangles) =
+        mine().fold((0, 0), |sum, tree| (sum.0 + tree.bytes, sum.1 + tree.triangles));
+    let (rays, differ) = traced(view, Contest::Methods)
+        .filter(|t| t.method == method)
+        .fold((0, 0), |sum, t| (sum.0 + t.rays, sum.1 + t.differ));
+    StudyRow {
+        method: method.to_owned(),
+        kernel_million_tests_per_second: kernel_ns(view, method, false).map(mtests),
+        kernel_gain: kernel_gain(view, method, false),
+        single: by_class("single"),
+        stream: by_class("stream"),
+        single_gain: tracer_gain(view, method, "single", |_| true),
+        stream_gain: tracer_gain(view, method, "stream", |_| true),
+        build_ms: build.filter(|_| triangles > 0).map(|ns| ns / 1e6),
+        bytes_per_triangle: (triangles > 0).then(|| bytes as f64 / triangles as f64),
+        differ_per_million: differ as f64 * 1e6 / rays.max(1) as f64,
+    }
+}
+
+/// The gain of each method's kernel and that of its tracer.
+pub(super) fn gains<'a>(view: &View<'a>, tracing: &str, any: bool) -> Vec<(&'a str, (f64, f64))> {
+    let both = |method: &'a str| {
+        let kernel = kernel_gain(view, method, any)?;
+        Some((method, (kernel, tracer_gain(view, method, tracing, |t| t.any == any)?)))
+    };
+    view.methods().iter().filter_map(|&method| both(method)).collect()
+}
+
+/// The slope of the tracer's gain over the kernel's, both as logarithms, and their correlation.
+pub(super) fn survival(view: &View, tracing: &str, any: bool) -> Option<(f64, f64)> {
+    let logs: Vec<(f64, f64)> =
+        gains(view, tracing, any).into_iter().map(|(_, (x, y))| (x.ln(), y.ln())).collect();
+    // Through two points there is always a line.
+    (logs.len() > 2).then(|| line(&logs)).flatten()
+}
+
+impl StudySummary {
+    /// The summary as text of at most `width` columns, for 40 columns or more.
+    pub fn to_text(&self, width: usize) -> String {
+        let h = &self.header;
+        let machine = format!("trisect {} on {}, {}", h.trisect, h.machine.cpu, h.machine.compiler);
+        let mut out = wrap(&machine, width, "  ");
+        out.push('\n');
+        let mut table = Table::new(&[
+            "M rays/s", "primary", "random", "diffuse", "occl", "single", "stream", "kernel",
+        ]);
+        let times = |x: Option<f64>| or_dash(x, |x| format!("{x:.2}"));
+        for row in &self.rows {
+            let class = |name: &str| or_dash(row.single.get(name).copied(), number);
+            table.rows.push(vec![
+                row.method.clone(),
+                class("primary"),
+                class("random"),
+                class("diffuse"),
+                class("occlusion"),
+                times(row.single_gain),
+                times(row.stream_gain),
+                times(row.kernel_gain),
+            ]);
+        }
+        out.push_str(&table.render(width));
+        out.push_str(&wrap(
+            "primary to occl: million single rays per second on one thread, geometric mean over \
+             scenes. single, stream: the speed of rays one by one and in streams over that of \
+             moller-trumbore's, geometric mean over scenes and classes. kernel: the same ratio of \
+             the tests alone, asked for the fullest hit.",
+            width,
+            "",
+        ));
+        if let (Some(survives), Some(correlation)) = (self.survives, self.correlation) {
+            out.push('\n');
+            out.push_str(&wrap(
+                &format!(
+                    "A kernel that is twice as fast makes single rays {:.2} times as fast for \
+                     their closest hits (correlation of the logarithms over methods {:.2}).",
+                    2_f64.powf(survives),
+                    correlation
+                ),
+                width,
+                "",
+            ));
+        }
+        out
+    }
+}
