@@ -279,6 +279,15 @@ fn arguments() {
             "stress --quick --methods wald --output rays.csv",
             "rays.csv: cannot write to this folder (…); name another with --output",
         ),
+        case(
+            "study --quick --methods embree",
+            "unknown method `embree`; `trisect list` shows what there is",
+        ),
+        case("study --quick --methods wald --mesh nowhere.ply", "nowhere.ply: …"),
+        case(
+            "study --quick --methods wald --output rays.csv",
+            "rays.csv: cannot write to this folder (…); name another with --output",
+        ),
         case("measure --output folder", "folder: is a folder; name a file with --output")
             .file("folder/something", ""),
     ]);
@@ -304,6 +313,7 @@ fn clap_refuses_what_it_does_not_know() {
         ("stress --fuzz 1.5".to_owned(), "not a whole number from 0 to 1e15"),
         ("stress --fuzz many".to_owned(), "not a number; give a count, as 1e9"),
         ("stress --fuzz -1".to_owned(), "'-1'"),
+        ("study --threads 0".to_owned(), "'--threads <N>'"),
         ("verify --rays rays.csv".to_owned(), "--mesh <FILE>"),
         ("rank record.jsonl --needs everything".to_owned(), "'--needs <NEEDS>'"),
         ("--rounds 1 list".to_owned(), "list"),
@@ -374,7 +384,7 @@ fn records() {
         (rest, "line 1 is not a record header; make a record with `trisect measure --output FILE`"),
         (
             other.as_str(),
-            "line 1: the record has schema 4, this trisect reads schema 3; measure again with \
+            "line 1: the record has schema 5, this trisect reads schema 4; measure again with \
              this version",
         ),
         (cut, "line 2: …; the file is damaged, measure again"),

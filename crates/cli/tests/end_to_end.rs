@@ -243,6 +243,35 @@ fn a_study_adds_its_page_and_its_record_to_a_report() {
     assert_eq!(summary["rows"][0]["edge_cracks"], 0.0);
 }
 
+/// One test, as the study is what takes its time.
+#[test]
+fn a_study_of_the_tracer_adds_its_page_and_its_record_to_a_report() {
+    let folder = Folder::new();
+    let report = "--methods moller-trumbore --rounds 1 --mesh mesh.obj --output here";
+    assert_eq!(folder.trisect(report, b"").code, Some(0));
+
+    let study = "study --quick --methods watertight --mesh mesh.obj --threads 2 --output here";
+    let run = folder.trisect(study, b"");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let written = ["page    here/study.html", "record  here/study.jsonl"];
+    assert_eq!(run.stderr.trim().lines().collect::<Vec<_>>(), written);
+    for method in ["moller-trumbore", "watertight"] {
+        assert!(run.stdout.contains(&format!("\n{method} ")), "{}", run.stdout);
+    }
+    assert!(run.stdout.lines().all(|line| line.chars().count() <= 80), "{}", run.stdout);
+    let index = fs::read_to_string(folder.path().join("here/index.html")).expect("it is there");
+    assert!(index.contains("<a href=\"study.html\">"), "the comparison leads to the study");
+
+    // The page of the record is the same, and its summary can be read by a program.
+    let page = fs::read(folder.path().join("here/study.html")).expect("it is there");
+    let again = folder.trisect("report here/study.jsonl --json --output here", b"");
+    assert_eq!((again.code, again.stderr.trim()), (Some(0), "page    here/study.html"));
+    assert_eq!(fs::read(folder.path().join("here/study.html")).expect("it is there"), page);
+    let summary: serde_json::Value = serde_json::from_str(&again.stdout).expect("JSON");
+    assert_eq!(summary["rows"][1]["method"], "watertight");
+    assert!(summary["rows"][1]["single_gain"].as_f64().is_some_and(|gain| gain > 0.0));
+}
+
 #[test]
 fn without_a_verb_everything_is_written_where_it_is_asked_for() {
     let folder = Folder::new();

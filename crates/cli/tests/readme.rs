@@ -25,12 +25,13 @@ fn documents_are_spliced_from_their_record() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let folder = root.join("reports/2026-11-24-zen4");
     for (record, documents) in [
-        ("record.jsonl", ["README.md", "docs/HAVEL.md"]),
-        ("stress.jsonl", ["docs/STABILITY.md", "docs/CONTRACT.md"]),
+        ("record.jsonl", &["README.md", "docs/HAVEL.md"][..]),
+        ("stress.jsonl", &["docs/STABILITY.md", "docs/CONTRACT.md"]),
+        ("study.jsonl", &["docs/TRACER.md"]),
     ] {
         let file = std::fs::File::open(folder.join(record)).expect("the documents name it");
         let records = Records::read(std::io::BufReader::new(file)).expect("a sound record");
-        for document in documents {
+        for &document in documents {
             let text = std::fs::read_to_string(root.join(document)).expect("a document");
             let spliced = trisect_report::splice(&text, &records).expect("there are markers");
             assert!(

@@ -91,10 +91,11 @@ impl Study<'_> {
         let (row, gain) = self.best(|row| row.kernel_gain)?;
         Some(finding(
             "The fastest kernel",
-            format!("{}, {}", self.view.title(&row.method), times(gain)),
+            self.view.title(&row.method),
             format!(
-                "as fast as Möller–Trumbore's on its own; in the tracer {} in single rays and {} in \
-                 streams",
+                "{} as fast as Möller–Trumbore's on its own; in the tracer {} in single rays and {} \
+                 in streams",
+                times(gain),
                 row.single_gain.map_or_else(|| "–".to_owned(), times),
                 row.stream_gain.map_or_else(|| "–".to_owned(), times)
             ),
@@ -174,10 +175,10 @@ impl Study<'_> {
         let (linear, binned) = (of("linear")?, of("binned")?);
         Some(finding(
             "Builders",
-            format!("{:.2} of the speed for {:.2} of the time", linear.0, linear.1),
+            format!("linear, {:.2} of the speed for {:.2} of the time", linear.0, linear.1),
             format!(
-                "the linear builder against the one that splits space; the binned one has {:.2} of \
-                 the speed for {:.2} of the time",
+                "against the one that splits space; the binned one has {:.2} of the speed for {:.2} \
+                 of the time",
                 binned.0, binned.1
             ),
         ))
