@@ -18,7 +18,7 @@ struct Size {
     rounds: usize,
 }
 
-const QUICK: Size = Size { pixels: 128, rounds: 3 };
+const QUICK: Size = Size { pixels: 160, rounds: 5 };
 const FULL: Size = Size { pixels: 384, rounds: 5 };
 
 /// Studies, prints the summary, and adds page and record to the report.

@@ -213,8 +213,8 @@ impl Run<'_> {
                 let of = |resident| ways.map(|way| Contender::new(resident, way, &self.one));
                 // The method that all are compared with is in turn with itself: that says how much
                 // times differ by chance.
-                let mut contenders = Vec::from(of(&*resident.tree));
-                contenders.extend(of(&*baseline.tree));
+                let mut contenders = Vec::from(of(&resident));
+                contenders.extend(of(&baseline));
                 race(
                     &mut contenders,
                     class,
@@ -280,7 +280,7 @@ impl Run<'_> {
             })
             .expect("it is one of the kinds");
         for class in classes {
-            let of = |place: usize, way| Contender::new(&*residents[place].tree, way, &self.one);
+            let of = |place: usize, way| Contender::new(&residents[place], way, &self.one);
             let mut places: Vec<usize> = (0..residents.len()).collect();
             let mut contenders: Vec<Contender<'_>> =
                 places.iter().map(|&place| of(place, Tracing::Single)).collect();
@@ -325,10 +325,8 @@ impl Run<'_> {
         }
         let Some(resident) = last else { return Ok(()) };
         for class in classes {
-            let mut contenders: Vec<Contender<'_>> = pools
-                .iter()
-                .map(|pool| Contender::new(&*resident.tree, Tracing::Single, pool))
-                .collect();
+            let mut contenders: Vec<Contender<'_>> =
+                pools.iter().map(|pool| Contender::new(&resident, Tracing::Single, pool)).collect();
             race(&mut contenders, class, rounds, &mut self.random, Order::Whole)?;
             for contender in &contenders {
                 self.lines.push(Record::Traced(resident.traced(class, contender)));
