@@ -204,7 +204,7 @@ pub(crate) struct Stress {
 pub(crate) struct Study {
     #[command(flatten)]
     pub subjects: Subjects,
-    /// Fewer rays and samples: half a minute for two methods, instead of ten for all
+    /// Fewer rays and samples: two minutes for all methods instead of ten
     #[arg(long)]
     pub quick: bool,
     /// Threads, at most; all processors if left out

@@ -64,14 +64,19 @@ fn gain(view: &View) -> Figure {
                     Look { ink: Ink::Grid, shape: Shape::Circle }
                 }
             };
-            let xs = || all.iter().map(|(.., at)| at.0);
-            let (low, high) = (xs().fold(1.0, f64::min), xs().fold(1.0, f64::max));
+            let ends = |of: fn(&(f64, f64)) -> f64| {
+                let values = || all.iter().map(|(.., at)| of(at));
+                (values().fold(1.0, f64::min), values().fold(1.0, f64::max))
+            };
+            let (across, up) = (ends(|at| at.0), ends(|at| at.1));
+            // As far as the points go in both directions.
+            let line = [across.0.max(up.0), across.1.min(up.1)];
             let mut series = vec![Series {
                 look: Look { ink: Ink::Muted, shape: Shape::Circle },
                 filled: false,
                 join: Join::Straight,
                 marked: false,
-                points: vec![(low, low), (high, high)],
+                points: line.map(|x| (x, x)).into(),
             }];
             let (told, others): (Vec<_>, Vec<_>) =
                 all.iter().partition(|(method, ..)| marked.contains(method));
@@ -81,11 +86,10 @@ fn gain(view: &View) -> Figure {
                     .chain(told)
                     .map(|&(method, any, at)| point(look_of(method), !any, vec![at])),
             );
-            let shown = all.iter().map(|(.., at)| at.1).chain([low, high]);
             Some(Panel::Plane(Plane {
                 title: title.into(),
-                x: Axis::over("kernel", Scale::Log, xs().chain([1.0]), ratio),
-                y: Axis::over("tracer", Scale::Log, shown, ratio),
+                x: Axis::over("kernel", Scale::Log, [across.0, across.1], ratio),
+                y: Axis::over("tracer", Scale::Log, [up.0, up.1], ratio),
                 height: 300,
                 series,
                 rules: Vec::new(),
@@ -286,7 +290,8 @@ fn threads(view: &View) -> Figure {
         if shown.iter().all(|p| p.0 <= 1.0) {
             return None;
         }
-        let y = shown.iter().map(|p| p.1).chain([0.0]);
+        // With air above the highest point.
+        let y = shown.iter().map(|p| 1.05 * p.1).chain([0.0]);
         Some(Panel::Plane(Plane {
             title: (*scene).to_owned(),
             x: Axis::over("threads", Scale::Binary, shown.iter().map(|p| p.0), tick),
