@@ -18,6 +18,10 @@ pub(crate) struct Members {
 /// Triangles of a leaf, at most.
 const LEAF: usize = Leaves::ThirtyTwo.blocks() * WIDTH;
 
+/// Places in the blocks of a leaf, at most: of the three kinds that there may be, two may fill theirs in
+/// part.
+pub(crate) const PLACES: usize = LEAF + 2 * WIDTH;
+
 /// The kinds of triangles.
 #[derive(Clone, Copy)]
 pub(crate) enum Kinds<'a> {

@@ -3,7 +3,7 @@
 use trisect_core::{Method, Triangle, UnsuitableMesh};
 
 use super::corners::Corners;
-use super::emit::{self, Kinds, Members};
+use super::emit::{self, Kinds, Members, PLACES};
 use super::{KindsOf, blocks, each};
 use crate::bvh::{Bvh, Child, WIDTH, child, leaf};
 
@@ -69,7 +69,7 @@ impl<M: Method> Bvh<M> {
         for node in &mut self.nodes {
             for number in &mut node.children {
                 let Child::Leaf(first, count) = child(*number) else { continue };
-                let mut of_leaf = [(0, 0); 4 * WIDTH];
+                let mut of_leaf = [(0, 0); PLACES];
                 let triangles =
                     self.blocks[first..first + count].iter().flat_map(|block| block.triangles);
                 let of_leaf = &mut of_leaf[..count * WIDTH];
