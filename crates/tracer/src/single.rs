@@ -9,8 +9,7 @@ use crate::traveller::{Found, Traveller};
 type Waiting = u64;
 
 /// Rays that are on their way at the same time: while one waits for the outcome of its last test, the
-/// other goes on. More than two gained nothing: a processor foretells the branches of one ray, not of
-/// many mixed.
+/// other goes on. More than two gained nothing where it was tried.
 const IN_FLIGHT: usize = 2;
 
 /// A ray under way.
@@ -39,24 +38,32 @@ impl Flight {
         waiting: 0,
     };
 
-    /// Puts a ray at the root; whether it has anything to find.
+    /// Puts the next ray that has anything to find at the root; those before it find nothing. Whether
+    /// there is one.
     #[inline(always)]
-    fn start<M, L, const ROBUST: bool>(
+    fn launch<'a, M, L, T, const ROBUST: bool>(
         &mut self,
         bvh: &Bvh<M>,
         token: L::Token,
-        number: usize,
-        ray: &Ray<f32>,
+        rays: &mut impl Iterator<Item = (usize, &'a Ray<f32>)>,
+        found: &mut [T],
     ) -> bool
     where
         M: Method,
         L: Lanes<Elem = f32>,
+        T: Found,
     {
-        self.number = number;
-        self.traveller.become_ray::<L, ROBUST>(token, ray);
-        self.waiting = 0;
-        self.visit::<M, L, ROBUST>(bvh, token, 0);
-        self.traveller.has_any()
+        for (number, ray) in rays {
+            self.traveller.become_ray::<ROBUST>(ray);
+            if self.traveller.has_any() {
+                self.number = number;
+                self.waiting = 0;
+                self.visit::<M, L, ROBUST>(bvh, token, 0);
+                return true;
+            }
+            found[number] = T::of(self.traveller.best());
+        }
+        false
     }
 
     #[inline(always)]
@@ -134,32 +141,26 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
     let mut flights = [Flight::NOBODY; IN_FLIGHT];
     let mut rays = rays.iter().enumerate();
     let mut count = 0;
-    while count < IN_FLIGHT {
-        let Some((number, ray)) = rays.next() else { break };
-        if flights[count].start::<M, L, ROBUST>(bvh, token, number, ray) {
-            count += 1;
-        } else {
-            found[number] = T::of(flights[count].traveller.best());
-        }
+    while count < IN_FLIGHT
+        && flights[count].launch::<M, L, T, ROBUST>(bvh, token, &mut rays, found)
+    {
+        count += 1;
     }
     while count > 0 {
         let mut at = 0;
         while at < count {
             let flight = &mut flights[at];
-            let mut arrived = flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, stacks[at]);
-            while arrived {
+            if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, stacks[at]) {
                 found[flight.number] = T::of(flight.traveller.best());
-                let Some((number, ray)) = rays.next() else { break };
-                arrived = !flight.start::<M, L, ROBUST>(bvh, token, number, ray);
+                if !flight.launch::<M, L, T, ROBUST>(bvh, token, &mut rays, found) {
+                    // No ray is left; the last one takes its place, with what waits for it.
+                    count -= 1;
+                    flights.swap(at, count);
+                    stacks.swap(at, count);
+                    continue;
+                }
             }
-            if arrived {
-                // No ray is left; the last one takes its place, with what waits for it.
-                count -= 1;
-                flights.swap(at, count);
-                stacks.swap(at, count);
-            } else {
-                at += 1;
-            }
+            at += 1;
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Many rays through the tree together: every node is visited once by all rays that meet it.
 //!
 //! Barringer, Akenine-Möller: Dynamic Ray Stream Traversal. ACM Transactions on Graphics 33(4), 2014.
-//! Here a node has eight children, tested at once for each ray, and few rays go on alone.
+//! Here a node has eight children, tested at once for each ray.
 
 use trisect_core::{Culling, Lanes, Method, Vec3};
 
@@ -16,10 +16,8 @@ struct List {
     start: usize,
 }
 
-/// What a stream needs besides its rays; kept from one to the next.
-pub(crate) struct Lists {
-    /// The rays that look into each octant.
-    octants: [Vec<u32>; 8],
+/// What a stream needs besides its rays.
+struct Lists {
     waiting: Vec<List>,
     /// All that wait, list after list, and room for more.
     numbers: Vec<u32>,
@@ -37,9 +35,8 @@ pub(crate) struct Lists {
 
 impl Lists {
     /// For so many rays at a time.
-    pub(crate) fn new(rays: usize) -> Self {
+    fn new(rays: usize) -> Self {
         Self {
-            octants: Default::default(),
             waiting: Vec::new(),
             numbers: Vec::new(),
             entries: Vec::new(),
@@ -59,22 +56,14 @@ impl Lists {
         }
     }
 
-    /// Puts the rays of an octant on the list of the root, and says where they look.
+    /// Puts rays on the list of the root.
     #[inline(always)]
-    fn start(&mut self, octant: usize, travellers: &[Traveller]) -> Vec3<f32> {
-        let rays = std::mem::take(&mut self.octants[octant]);
+    fn start(&mut self, rays: &[u32]) {
         self.reserve(rays.len());
-        let mut towards = Vec3::new(0.0, 0.0, 0.0);
-        for (place, &number) in rays.iter().enumerate() {
-            self.numbers[place] = number;
-            self.entries[place] = f32::NEG_INFINITY;
-            towards = towards + unit(travellers[number as usize].direction());
-        }
+        self.numbers[..rays.len()].copy_from_slice(rays);
+        self.entries[..rays.len()].fill(f32::NEG_INFINITY);
         self.count = rays.len();
         self.waiting.push(List { child: 0, start: 0 });
-        self.octants[octant] = rays;
-        self.octants[octant].clear();
-        towards
     }
 
     /// Takes the rays of the uppermost list that still have something to find there, and says what they
@@ -128,13 +117,15 @@ pub(crate) fn stream<M, L, const ANY: bool, const ROBUST: bool>(
 {
     let mut lists = Lists::new(travellers.len());
     // Rays that look into one octant find the same planes of a box nearer.
+    let mut octants: [Vec<u32>; 8] = Default::default();
     for (number, traveller) in (0_u32..).zip(&*travellers) {
         if traveller.has_any() {
-            lists.octants[traveller.octant().number()].push(number);
+            octants[traveller.octant().number()].push(number);
         }
     }
-    for octant in 0..8 {
-        let towards = lists.start(octant, travellers);
+    for (octant, rays) in octants.iter().enumerate() {
+        lists.start(rays);
+        let towards = if ANY { Vec3::new(0.0, 0.0, 0.0) } else { towards(rays, travellers) };
         let octant = Octant::of(octant);
         while let Some((from, here)) = lists.pop(travellers) {
             match child(from) {
@@ -176,10 +167,15 @@ pub(crate) fn stream<M, L, const ANY: bool, const ROBUST: bool>(
     }
 }
 
-/// A direction, so that those of all lengths count alike.
+/// Where rays look, those with directions of all lengths counting alike.
 #[inline(always)]
-fn unit(d: Vec3<f32>) -> Vec3<f32> {
-    d.scale(1.0 / (d.x.abs() + d.y.abs() + d.z.abs()))
+fn towards(rays: &[u32], travellers: &[Traveller]) -> Vec3<f32> {
+    let mut sum = Vec3::new(0.0, 0.0, 0.0);
+    for &number in rays {
+        let d = travellers[number as usize].direction();
+        sum = sum + d.scale(1.0 / (d.x.abs() + d.y.abs() + d.z.abs()));
+    }
+    sum
 }
 
 /// Some children of a node, in bits, in the order of their middles along a direction from the far end;

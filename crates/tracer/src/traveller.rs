@@ -26,22 +26,30 @@ pub(crate) trait Found: Send {
 impl Found for Option<TriangleHit> {
     #[inline(always)]
     fn of(best: &TriangleHit) -> Self {
-        (best.triangle != NO_HIT.triangle).then_some(*best)
+        best.is_hit().then_some(*best)
     }
 }
 
 impl Found for bool {
     #[inline(always)]
     fn of(best: &TriangleHit) -> Self {
-        best.triangle != NO_HIT.triangle
+        best.is_hit()
     }
 }
 
 const ZERO: Vec3<f32> = Vec3 { x: 0.0, y: 0.0, z: 0.0 };
 
 /// What is farther than every hit.
-pub(crate) const NO_HIT: TriangleHit =
+const NO_HIT: TriangleHit =
     TriangleHit { triangle: u32::MAX, hit: Hit { t: f32::INFINITY, beta: 0.0, gamma: 0.0 } };
+
+impl TriangleHit {
+    /// Whether it is not [`NO_HIT`].
+    #[inline(always)]
+    fn is_hit(&self) -> bool {
+        self.triangle != NO_HIT.triangle
+    }
+}
 
 /// A coordinate of the direction that is smaller than this share of the largest counts as that share
 /// where tests of boxes need not be exact: so the distances to planes stay finite.
@@ -56,18 +64,20 @@ const ROUNDINGS: f32 = 8.0 * (f32::EPSILON / 2.0);
 #[derive(Clone, Copy)]
 struct Slabs {
     inverse: Vec3<f32>,
-    /// `origin · inverse`
+    /// `origin · inverse`, which is taken from a coordinate's product with the inverse; the origin where
+    /// `ROBUST`, which is taken from the coordinate itself: that is exact, or relative to the distance.
     start: Vec3<f32>,
 }
 
 impl Slabs {
     #[inline(always)]
     fn new<const ROBUST: bool>(ray: &Ray<f32>) -> Self {
-        let Vec3 { x, y, z } = ray.d;
-        let least =
-            if ROBUST { 0.0 } else { FLATTEST * greater(greater(x.abs(), y.abs()), z.abs()) };
+        let Ray { o, d: Vec3 { x, y, z }, .. } = *ray;
+        // `Lanes::max` is one instruction, `f32::max` four.
+        let largest = Lanes::max(Lanes::max(x.abs(), y.abs()), z.abs());
+        let least = if ROBUST { 0.0 } else { FLATTEST * largest };
         let r = Vec3::new(inverse(x, least), inverse(y, least), inverse(z, least));
-        let start = Vec3::new(ray.o.x * r.x, ray.o.y * r.y, ray.o.z * r.z);
+        let start = if ROBUST { o } else { Vec3::new(o.x * r.x, o.y * r.y, o.z * r.z) };
         Self { inverse: r, start }
     }
 }
@@ -75,13 +85,7 @@ impl Slabs {
 /// The reciprocal of a coordinate of the direction, which counts as `least` where it is smaller.
 #[inline(always)]
 fn inverse(d: f32, least: f32) -> f32 {
-    1.0 / greater(d.abs(), least).copysign(d)
-}
-
-/// The greater of two that are no NaN: one instruction, where that of the standard library takes four.
-#[inline(always)]
-fn greater(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
+    1.0 / Lanes::max(d.abs(), least).copysign(d)
 }
 
 /// Distances to the nearer and farther planes of boxes along one axis. Where `ROBUST`, they are infinite
@@ -163,11 +167,7 @@ impl Traveller {
     ///
     /// Field by field, in place: what is written in parts and copied as a whole is waited for.
     #[inline(always)]
-    pub(crate) fn become_ray<L: Lanes<Elem = f32>, const ROBUST: bool>(
-        &mut self,
-        _token: L::Token,
-        ray: &Ray<f32>,
-    ) {
+    pub(crate) fn become_ray<const ROBUST: bool>(&mut self, ray: &Ray<f32>) {
         let Interval { tmin, tmax } = Interval::of(ray);
         self.ray.o = ray.o;
         self.ray.d = ray.d;
@@ -212,7 +212,7 @@ impl Traveller {
 
     #[inline(always)]
     pub(crate) fn has_hit(&self) -> bool {
-        self.best.triangle != NO_HIT.triangle
+        self.best.is_hit()
     }
 
     /// The children whose boxes the ray meets, in bits, and where it enters each.
@@ -225,8 +225,7 @@ impl Traveller {
         distances: &mut [f32; WIDTH],
     ) -> u64 {
         let Vec3 { x: rx, y: ry, z: rz } = self.slabs.inverse;
-        // The difference is exact, or relative to the distance; a fused product needs one rounding.
-        let Vec3 { x: sx, y: sy, z: sz } = if ROBUST { self.ray.o } else { self.slabs.start };
+        let Vec3 { x: sx, y: sy, z: sz } = self.slabs.start;
         let mut met = 0;
         let mut lane = 0;
         while lane < WIDTH {

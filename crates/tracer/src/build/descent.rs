@@ -7,7 +7,7 @@ use super::bins::{Bins, Grid, Split};
 use super::corners::{Corners, Reference};
 use super::spatial::{self, Cuts};
 use super::sweep::{self, FEW};
-use super::{Leaves, PARALLEL};
+use super::{Leaves, both};
 use crate::bvh::WIDTH;
 
 /// Beyond this depth references are halved, whatever it costs: depth stays bounded.
@@ -73,14 +73,11 @@ impl Descent<'_> {
         let (left_from, right_from) = to.split_at_mut(room_left);
         let left_space = Space { from: left_from, to: left_to, room: left_room };
         let right_space = Space { from: right_from, to: right_to, room: right_room };
-        let (left, right) = if count >= PARALLEL {
-            rayon::join(
-                || self.subtree(left_space, left, depth + 1),
-                || self.subtree(right_space, right, depth + 1),
-            )
-        } else {
-            (self.subtree(left_space, left, depth + 1), self.subtree(right_space, right, depth + 1))
-        };
+        let (left, right) = both(
+            count,
+            || self.subtree(left_space, left, depth + 1),
+            || self.subtree(right_space, right, depth + 1),
+        );
         binary::join(leaves, root, room_left, &left, &right)
     }
 

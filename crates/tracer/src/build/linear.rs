@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::binary::{self, Built, Room, Tree, extent, places};
 use super::corners::{Corners, Reference, number};
-use super::{Leaves, PARALLEL};
+use super::{Leaves, PARALLEL, both};
 use crate::bvh::WIDTH;
 
 /// The tree over `references`, down to what fits in a block.
@@ -95,14 +95,11 @@ impl Linear<'_> {
         let (left_keys, right_keys) = keys.split_at(on_left);
         let leaves = room.leaves;
         let (root, left_room, right_room) = room.split(on_left);
-        let (left, right) = if count >= PARALLEL {
-            rayon::join(
-                || self.subtree(left_keys, left_room),
-                || self.subtree(right_keys, right_room),
-            )
-        } else {
-            (self.subtree(left_keys, left_room), self.subtree(right_keys, right_room))
-        };
+        let (left, right) = both(
+            count,
+            || self.subtree(left_keys, left_room),
+            || self.subtree(right_keys, right_room),
+        );
         binary::join(leaves, root, on_left, &left, &right)
     }
 

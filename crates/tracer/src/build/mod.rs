@@ -195,6 +195,15 @@ fn each<T: Sync, X: Send>(all: &[T], of: impl Fn(&T) -> X + Send + Sync) -> Vec<
     }
 }
 
+/// What is made of both sides of a split of so many references; by two threads where they are many.
+fn both<X: Send>(
+    count: usize,
+    left: impl FnOnce() -> X + Send,
+    right: impl FnOnce() -> X + Send,
+) -> (X, X) {
+    if count >= PARALLEL { rayon::join(left, right) } else { (left(), right()) }
+}
+
 /// The blocks of a tree, and their kinds where the method tells kinds apart.
 fn blocks<M: Method>(triangles: &[Triangle<f32>], members: &[Members]) -> (Vec<Block<M>>, Vec<u8>) {
     let blocks = each(members, |members: &Members| Block {
