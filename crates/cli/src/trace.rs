@@ -7,6 +7,7 @@ use anyhow::{Context as _, Result, anyhow};
 use serde::Serialize;
 use trisect_catalog::{Statistics, Tracing, Tree, TriangleHit};
 use trisect_core::{Culling, Ray};
+use trisect_harness::nanoseconds;
 
 use crate::arguments::Trace;
 use crate::{output, tasks};
@@ -104,10 +105,6 @@ pub(crate) fn run(arguments: &Trace) -> Result<()> {
             report.print(out)
         }
     })
-}
-
-fn nanoseconds(time: Duration) -> u64 {
-    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }
 
 fn sample(tree: &dyn Tree, rays: &[Ray<f32>], found: &mut Found) -> Duration {

@@ -13,5 +13,5 @@ mod timing;
 
 pub use measure::{Progress, REFERENCE, Settings, Task, measure};
 pub use stress::{StressSettings, stress};
-pub use study::{StudyError, StudySettings, keep_for_study, study};
-pub use timing::WrongAnswer;
+pub use study::{ClassOfRays, StudyError, StudySettings, classes_of_rays, keep_for_study, study};
+pub use timing::{WrongAnswer, nanoseconds};

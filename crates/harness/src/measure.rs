@@ -14,7 +14,7 @@ use crate::record::{
     Preparation, Record, Records, Refusal, SCHEMA, Throughput,
 };
 use crate::subject::Subject;
-use crate::timing::{self, Contender, WrongAnswer};
+use crate::timing::{self, Contender, WrongAnswer, nanoseconds};
 
 /// The method that all are compared with, and, in f64, the reference of the error tables.
 pub const REFERENCE: &str = "moller-trumbore";
@@ -351,7 +351,7 @@ impl Run<'_> {
             for _ in 0..self.settings.rounds {
                 let start = Instant::now();
                 let prepared = (kernels.prepare)(triangles, &[]);
-                samples_ns.push(u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX));
+                samples_ns.push(nanoseconds(start.elapsed()));
                 drop(prepared);
             }
             self.lines.push(Record::Preparation(Preparation {

@@ -209,6 +209,17 @@ pub struct Variant {
     pub needs: String,
 }
 
+impl Variant {
+    /// Whether it does what a tracer does at a leaf: one ray against f32 lanes, as fused as the processor
+    /// has them, and no more than the eight triangles of a block.
+    pub fn is_as_in_a_tracer(&self) -> bool {
+        self.precision == "f32"
+            && self.arrangement == "one-ray"
+            && self.arithmetic == "fused"
+            && (2..=8).contains(&self.width)
+    }
+}
+
 /// The time of one variant on one workload.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Throughput {

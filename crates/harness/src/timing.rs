@@ -1,10 +1,15 @@
 //! Times kernels in rounds of random order; every sample is verified.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 use trisect_catalog::{Kernel, Scene, Tally};
+
+/// As records have times: whole nanoseconds; the largest number for five hundred years and more.
+pub fn nanoseconds(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}
 
 /// A kernel with the scene it runs on, and what it must return.
 pub(crate) struct Contender<'a> {
@@ -43,7 +48,7 @@ impl Contender<'_> {
     pub(crate) fn sample(&mut self, timed: bool) -> Result<(), WrongAnswer> {
         let start = Instant::now();
         let tally = self.kernel.run(self.scene);
-        let ns = start.elapsed().as_nanos();
+        let time = start.elapsed();
         let sum_is_right = (tally.sum - self.expected.sum).abs() <= self.expected.slack;
         let repeats = self.tally.is_none_or(|first| first == tally);
         if tally.hits != self.expected.hits || !sum_is_right || !repeats {
@@ -55,7 +60,7 @@ impl Contender<'_> {
         }
         self.tally = Some(tally);
         if timed {
-            self.samples_ns.push(u64::try_from(ns).unwrap_or(u64::MAX));
+            self.samples_ns.push(nanoseconds(time));
         }
         Ok(())
     }

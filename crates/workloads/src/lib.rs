@@ -4,11 +4,13 @@
 pub mod mesh;
 pub mod rays;
 
+mod classes;
 mod generate;
 mod stream;
 mod stress;
 mod surface;
 
+pub use classes::RayClass;
 pub use generate::{
     Closest, Light, OFFSET, Share, Workload, diffuse_bounce, edge_aimed, hit_rate, occlusion,
     primary, random, random_sharing, random_through_box, working_set,

@@ -16,14 +16,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anyhow::{Context as _, Result, bail, ensure};
-use clap::{Parser, ValueEnum};
+use clap::Parser;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rand::SeedableRng as _;
 use rand_pcg::Pcg64;
-use trisect_catalog::Tracing;
-use trisect_core::{Culling, Ray};
-use trisect_workloads::{
-    Light, Mesh, Workload, diffuse_bounce, occlusion, primary, random_through_box, read_rays,
-};
+use trisect_harness::ClassOfRays;
+use trisect_workloads::{Mesh, RayClass, read_rays};
 
 use crate::contender::{Entrant, Resident, build, quiet_guarded_panics, race};
 use crate::report::{Class, Report};
@@ -66,8 +64,8 @@ struct Arguments {
     only: Vec<String>,
     /// Classes of rays that are made
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    #[arg(default_values_t = ClassOfRays::ALL)]
-    classes: Vec<ClassOfRays>,
+    #[arg(default_values_t = RayClass::ALL, value_parser = classes_of_rays())]
+    classes: Vec<RayClass>,
     /// Side, in pixels, of the pictures that rays are made from
     #[arg(long, value_name = "PIXELS", default_value_t = 512)]
     #[arg(value_parser = clap::value_parser!(u16).range(1..=4096))]
@@ -94,36 +92,14 @@ What the exact oracle says of an answer that others differ from, and of some tha
   wrong   anything else: a triangle behind the closest one (JSON: farther), one that is not hit
           (elsewhere), or one where nothing is hit (invented)";
 
-/// The classes of rays that are made of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum ClassOfRays {
-    /// From a camera
-    Primary,
-    /// Through two points of the box around the mesh
-    Random,
-    /// Bounces from what the camera sees
-    Diffuse,
-    /// From what the camera sees to a light; any hit is asked for
-    Occlusion,
+/// Lists the classes of rays in help.
+fn classes_of_rays() -> impl TypedValueParser<Value = RayClass> {
+    let named = |class: RayClass| PossibleValue::new(class.name()).help(class.says());
+    PossibleValuesParser::new(RayClass::ALL.map(named)).map(|name| {
+        let is_named = |class: &RayClass| class.name() == name;
+        RayClass::ALL.into_iter().find(is_named).expect("it is listed")
+    })
 }
-
-impl ClassOfRays {
-    const ALL: [Self; 4] = [Self::Primary, Self::Random, Self::Diffuse, Self::Occlusion];
-}
-
-impl std::fmt::Display for ClassOfRays {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Primary => "primary",
-            Self::Random => "random",
-            Self::Diffuse => "diffuse",
-            Self::Occlusion => "occlusion",
-        })
-    }
-}
-
-/// Rays to race on: the name of their class, the rays, and whether any hit will do.
-type Rays = (String, Vec<Ray<f32>>, bool);
 
 fn main() -> ExitCode {
     quiet_guarded_panics();
@@ -172,7 +148,10 @@ fn run(arguments: &Arguments) -> Result<()> {
     let mut report = Report::new(threads, usize::from(arguments.repeat));
     for mesh in meshes {
         let classes = match &from_file {
-            Some(read) => vec![("rays".to_owned(), read.rays_f32.clone(), arguments.any)],
+            Some(read) => {
+                let rays = read.rays_f32.clone();
+                vec![ClassOfRays { name: "rays", any: arguments.any, rays }]
+            }
             None => classes(&mesh, arguments)?,
         };
         say(&format!("{}: building over {} triangles", mesh.name, mesh.triangles.len()));
@@ -183,7 +162,7 @@ fn run(arguments: &Arguments) -> Result<()> {
         report.built(&mesh, &trees);
         // One thread, whatever a contender's own pool would be.
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
-        for (name, rays, any) in classes {
+        for ClassOfRays { name, any, rays } in classes {
             say(&format!("{}: tracing {} rays, {name}", mesh.name, rays.len()));
             let times = pool.install(|| {
                 race(&mut residents, &rays, any, usize::from(arguments.repeat), &mut random)
@@ -193,7 +172,7 @@ fn run(arguments: &Arguments) -> Result<()> {
             say(&format!("{}: settling differences", mesh.name));
             let settlement = settle(&rays, &mesh.triangles, &answers);
             report.raced(
-                Class { name, any, rays: rays.len() },
+                Class { name: name.to_owned(), any, rays: rays.len() },
                 &residents,
                 &times,
                 &answers,
@@ -246,31 +225,13 @@ fn entrants(arguments: &Arguments) -> Result<Vec<Entrant>> {
 }
 
 /// Rays of the classes that are asked for.
-fn classes(mesh: &Mesh, arguments: &Arguments) -> Result<Vec<Rays>> {
+fn classes(mesh: &Mesh, arguments: &Arguments) -> Result<Vec<ClassOfRays>> {
     say(&format!("{}: making rays", mesh.name));
-    let tree = ours::tree(mesh)?;
-    let mut closest = |ray: &Ray<f32>| {
-        let mut found = [None];
-        tree.closest(Tracing::Plain, Culling::None, std::slice::from_ref(ray), &mut found);
-        found[0].map(|found| (found.triangle as usize, found.hit))
-    };
-    let (seed, pixels) = (arguments.seed, usize::from(arguments.pixels));
-    let mut made = Vec::new();
-    for class in ClassOfRays::ALL.into_iter().filter(|class| arguments.classes.contains(class)) {
-        let Workload { rays, .. } = match class {
-            ClassOfRays::Primary => primary(mesh, pixels, pixels),
-            ClassOfRays::Random => random_through_box(seed, mesh, pixels * pixels),
-            ClassOfRays::Diffuse => diffuse_bounce(seed, mesh, pixels, pixels, &mut closest),
-            ClassOfRays::Occlusion => {
-                let light = Light::above(&mesh.bounds);
-                occlusion(seed, mesh, &light, pixels, pixels, &mut closest)
-            }
-        };
-        // Without what the camera sees there are no rays from it.
-        if !rays.is_empty() {
-            made.push((class.to_string(), rays, class == ClassOfRays::Occlusion));
-        }
-    }
+    let mut asked = RayClass::ALL.to_vec();
+    asked.retain(|class| arguments.classes.contains(class));
+    let made =
+        trisect_harness::classes_of_rays(mesh, arguments.pixels.into(), arguments.seed, &asked);
+    // Without what the camera sees there are no rays from it.
     ensure!(
         !made.is_empty(),
         "{}: the camera sees nothing to trace from; name another class or mesh",

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result, anyhow};
 use trisect_catalog::{BuildTree, Builder, Entry, Tracing, Tree, TriangleHit, find};
 use trisect_core::{Culling, Ray};
-use trisect_workloads::Mesh;
 
 use crate::contender::{Answers, Built, Contender, Entrant, Found, timed};
 
@@ -34,17 +33,6 @@ pub(crate) fn entrants(method: &str) -> Result<Vec<Entrant>> {
         }
     });
     Ok(entrants.collect())
-}
-
-/// The tree that rays are made with.
-///
-/// # Errors
-/// When it cannot take the mesh.
-pub(crate) fn tree(mesh: &Mesh) -> Result<Box<dyn Tree>> {
-    let Entry { tree, .. } = method("moller-trumbore")?;
-    // Quick to build, as it is used once.
-    tree(&mesh.triangles, Builder::Binned)
-        .map_err(|unsuitable| anyhow!("{}: {unsuitable}", mesh.name))
 }
 
 fn method(name: &str) -> Result<&'static Entry> {

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use anyhow::Result;
 use serde::Serialize;
-use trisect_harness::machine;
 use trisect_harness::record::Machine;
+use trisect_harness::{machine, nanoseconds};
 use trisect_report::stats::{geometric_mean, median};
 use trisect_workloads::Mesh;
 
@@ -248,10 +248,6 @@ impl Race {
         }
         Ok(())
     }
-}
-
-fn nanoseconds(time: Duration) -> u64 {
-    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }
 
 /// In seconds.

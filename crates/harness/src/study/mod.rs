@@ -11,15 +11,15 @@ use rand_pcg::Pcg64;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use trisect_catalog::{Builder, Entry, Leaves, Statistics, Tracing, Tree, find};
 use trisect_core::{Float as _, UnsuitableMesh};
-use trisect_workloads::Mesh;
+use trisect_workloads::{Mesh, RayClass};
 
 use crate::Progress;
 use crate::measure::REFERENCE;
 use crate::record::{Contest, Record, Refusal, Throughput, Traced, TreeBuilt};
-use crate::timing::WrongAnswer;
+use crate::timing::{WrongAnswer, nanoseconds};
 
 use race::{Contender, Order, race};
-use rays::{Class, classes};
+pub use rays::{ClassOfRays, classes_of_rays};
 
 /// What is studied, and how long.
 pub struct StudySettings {
@@ -48,19 +48,13 @@ pub enum StudyError {
     Threads(#[from] ThreadPoolBuildError),
 }
 
-/// Whether a line of a measurement is about the kernels that a tracer calls: one ray against f32 lanes,
-/// as fused as the processor has them and no more than eight, which is a leaf's block.
+/// Whether a line of a measurement is about the kernels that a tracer calls.
 pub fn keep_for_study(line: &Record) -> bool {
-    let is_block = |line: &Throughput| {
-        let v = &line.variant;
-        v.precision == f32::NAME
-            && v.arrangement == "one-ray"
-            && v.arithmetic == "fused"
-            && (2..=8).contains(&v.width)
-            && matches!(v.needs.as_str(), "occlusion" | "t" | "barycentrics")
-    };
     match line {
-        Record::Throughput(line) => is_block(line),
+        Record::Throughput(Throughput { variant, .. }) => {
+            variant.is_as_in_a_tracer()
+                && matches!(variant.needs.as_str(), "occlusion" | "t" | "barycentrics")
+        }
         line => matches!(line, Record::Method(_) | Record::Workload(_)),
     }
 }
@@ -83,7 +77,9 @@ pub fn study(
     };
     for scene in &settings.scenes {
         run.progress.phase(&format!("{}: rays", scene.name), 1);
-        let classes = run.all.install(|| classes(scene, settings.pixels, settings.seed));
+        let classes = run
+            .all
+            .install(|| classes_of_rays(scene, settings.pixels, settings.seed, &RayClass::ALL));
         run.progress.step();
         run.methods(scene, &classes)?;
         run.trees(scene, &classes)?;
@@ -141,7 +137,7 @@ impl Resident {
             builder: builder.name().to_owned(),
             leaves: leaves.name().to_owned(),
             threads: pool.current_num_threads(),
-            samples_ns: vec![u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)],
+            samples_ns: vec![nanoseconds(time)],
             nodes,
             blocks,
             references,
@@ -158,8 +154,16 @@ impl Resident {
         self.built.samples_ns.extend(next.built.samples_ns);
     }
 
+    /// Takes in the tree that was built first, or next.
+    fn keep(place: &mut Option<Self>, next: Self) {
+        match place {
+            Some(resident) => resident.build_again(next),
+            empty => *empty = Some(next),
+        }
+    }
+
     /// The line of what a contender did with the tree.
-    fn traced(&self, class: &Class, contender: &Contender<'_>) -> Traced {
+    fn traced(&self, class: &ClassOfRays, contender: &Contender<'_>) -> Traced {
         let TreeBuilt { contest, method, scene, builder, leaves, .. } = self.built.clone();
         Traced {
             contest,
@@ -184,7 +188,7 @@ impl Resident {
 impl Run<'_> {
     /// Every method in turn with the one that all are compared with, on one thread, in the tree that is
     /// the fastest to trace.
-    fn methods(&mut self, scene: &Mesh, classes: &[Class]) -> Result<(), WrongAnswer> {
+    fn methods(&mut self, scene: &Mesh, classes: &[ClassOfRays]) -> Result<(), WrongAnswer> {
         const TREE: (Builder, Leaves) = (Builder::Spatial, Leaves::Cheapest);
         let methods = self.settings.methods.clone();
         let steps = (methods.len() * classes.len()) as u64;
@@ -244,7 +248,7 @@ impl Run<'_> {
     }
 
     /// One method: every builder, every size of leaf, and of the default tree every way to trace it.
-    fn trees(&mut self, scene: &Mesh, classes: &[Class]) -> Result<(), WrongAnswer> {
+    fn trees(&mut self, scene: &Mesh, classes: &[ClassOfRays]) -> Result<(), WrongAnswer> {
         let kinds = [
             (Builder::Linear, Leaves::Cheapest),
             (Builder::Binned, Leaves::Cheapest),
@@ -263,10 +267,7 @@ impl Run<'_> {
                 let contest = Contest::Trees;
                 let next = Resident::build(reference(), scene, kinds[place], &self.all, contest);
                 let Ok(next) = next else { return Ok(()) };
-                match &mut residents[place] {
-                    Some(resident) => resident.build_again(next),
-                    empty => *empty = Some(next),
-                }
+                Resident::keep(&mut residents[place], next);
             }
             self.progress.step();
         }
@@ -297,7 +298,7 @@ impl Run<'_> {
     }
 
     /// One method: building and tracing by one thread, by two, and so on up to all.
-    fn threads(&mut self, scene: &Mesh, classes: &[Class]) -> Result<(), StudyError> {
+    fn threads(&mut self, scene: &Mesh, classes: &[ClassOfRays]) -> Result<(), StudyError> {
         let rounds = self.settings.rounds;
         let counts = thread_counts(self.settings.threads);
         let steps = (counts.len() * Builder::ALL.len() + classes.len()) as u64;
@@ -311,10 +312,7 @@ impl Run<'_> {
                     let kind = (builder, Leaves::Cheapest);
                     let next = Resident::build(reference(), scene, kind, pool, Contest::Threads);
                     let Ok(next) = next else { return Ok(()) };
-                    match resident {
-                        Some(resident) => resident.build_again(next),
-                        empty => *empty = Some(next),
-                    }
+                    Resident::keep(resident, next);
                 }
             }
             for resident in of_builder.into_iter().flatten() {

@@ -10,8 +10,8 @@ use trisect_catalog::{Tracing, Tree, TriangleHit};
 use trisect_core::Culling;
 
 use super::Resident;
-use super::rays::Class;
-use crate::timing::WrongAnswer;
+use super::rays::ClassOfRays;
+use crate::timing::{WrongAnswer, nanoseconds};
 
 /// Rays of a turn: enough that the caches are a contender's own for most of them, few enough that all
 /// meet the same weather.
@@ -47,7 +47,7 @@ enum Places {
 }
 
 impl Places {
-    fn of(class: &Class) -> Self {
+    fn of(class: &ClassOfRays) -> Self {
         if class.any {
             Self::Any(vec![false; class.rays.len()])
         } else {
@@ -112,7 +112,7 @@ impl<'a> Contender<'a> {
     }
 
     /// Traces a slice of the rays; how long that took.
-    fn turn(&self, class: &Class, slice: Range<usize>, places: &mut Places) -> Duration {
+    fn turn(&self, class: &ClassOfRays, slice: Range<usize>, places: &mut Places) -> Duration {
         let rays = &class.rays[slice.clone()];
         let chunk = if self.ray_by_ray { 1 } else { rays.len() };
         let (tree, tracing) = (self.tree, self.tracing);
@@ -134,7 +134,7 @@ impl<'a> Contender<'a> {
         })
     }
 
-    fn wrong(&self, class: &Class, found: String, expected: u64) -> WrongAnswer {
+    fn wrong(&self, class: &ClassOfRays, found: String, expected: u64) -> WrongAnswer {
         let kernel = format!("{} ({}, {} rays)", self.method, self.tracing_name(), class.name);
         WrongAnswer { kernel, found, expected: expected.to_string() }
     }
@@ -151,7 +151,7 @@ fn explained(rays: usize) -> u64 {
 /// arithmetic; every timed turn has to find as many hits as that.
 pub(super) fn race(
     contenders: &mut [Contender<'_>],
-    class: &Class,
+    class: &ClassOfRays,
     rounds: usize,
     random: &mut Pcg64,
     order: Order,
@@ -200,7 +200,7 @@ pub(super) fn race(
             }
         }
         for (contender, time) in contenders.iter_mut().zip(times) {
-            contender.samples_ns.push(u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
+            contender.samples_ns.push(nanoseconds(time));
         }
     }
     Ok(())

@@ -2,21 +2,29 @@
 
 use trisect_catalog::{Builder, Tracing};
 use trisect_core::{Culling, Ray};
-use trisect_workloads::{Light, Mesh, diffuse_bounce, occlusion, primary, random_through_box};
+use trisect_workloads::{Mesh, RayClass};
 
 use super::reference;
 
-/// Rays of one kind.
-pub(super) struct Class {
+/// Rays of one class.
+pub struct ClassOfRays {
+    /// The name of the class.
     pub name: &'static str,
     /// Whether any hit is asked for instead of the closest.
     pub any: bool,
+    /// The rays.
     pub rays: Vec<Ray<f32>>,
 }
 
-/// Camera rays, rays between random points, bounces and shadows; those that there are none of are left
-/// out.
-pub(super) fn classes(scene: &Mesh, pixels: usize, seed: u64) -> Vec<Class> {
+/// Rays of some classes through a scene; those that there are none of are left out. What a camera sees
+/// is what Möller–Trumbore sees in plain arithmetic.
+pub fn classes_of_rays(
+    scene: &Mesh,
+    pixels: usize,
+    seed: u64,
+    classes: &[RayClass],
+) -> Vec<ClassOfRays> {
+    // Quick to build, as it is used once.
     let tree = (reference().tree)(&scene.triangles, Builder::Binned);
     let Ok(tree) = tree else { return Vec::new() };
     let mut closest = |ray: &Ray<f32>| {
@@ -24,17 +32,13 @@ pub(super) fn classes(scene: &Mesh, pixels: usize, seed: u64) -> Vec<Class> {
         tree.closest(Tracing::Plain, Culling::None, std::slice::from_ref(ray), &mut found);
         found[0].map(|found| (found.triangle as usize, found.hit))
     };
-    let light = Light::above(&scene.bounds);
-    let diffuse = diffuse_bounce(seed, scene, pixels, pixels, &mut closest);
-    let shadow = occlusion(seed, scene, &light, pixels, pixels, &mut closest);
-    let made = [
-        ("primary", primary(scene, pixels, pixels), false),
-        ("random", random_through_box(seed, scene, pixels * pixels), false),
-        ("diffuse", diffuse, false),
-        ("occlusion", shadow, true),
-    ];
-    made.into_iter()
-        .map(|(name, workload, any)| Class { name, any, rays: workload.rays })
+    classes
+        .iter()
+        .map(|class| ClassOfRays {
+            name: class.name(),
+            any: class.any_hit(),
+            rays: class.rays(seed, scene, pixels, &mut closest),
+        })
         .filter(|class| !class.rays.is_empty())
         .collect()
 }

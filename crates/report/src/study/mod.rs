@@ -67,14 +67,7 @@ fn scenes<'a>(view: &View<'a>) -> Vec<&'a str> {
 /// fullest one.
 fn kernel_ns(view: &View, method: &str, any: bool) -> Option<f64> {
     let of = |need: &str| {
-        fastest(view, |v| {
-            v.method == method
-                && v.precision == "f32"
-                && v.arrangement == "one-ray"
-                && v.arithmetic == "fused"
-                && (2..=8).contains(&v.width)
-                && v.needs == need
-        })
+        fastest(view, |v| v.method == method && v.is_as_in_a_tracer() && v.needs == need)
     };
     let found = if any { of("occlusion") } else { of("barycentrics").or_else(|| of("t")) };
     found.map(|(_, ns)| ns)
