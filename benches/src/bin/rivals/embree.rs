@@ -75,6 +75,10 @@ struct RtcRayHit16 {
     instances: [[u32; PACKET]; 2],
 }
 
+/// Which rays of a packet take part: −1 for those. Embree reads it as a whole, so aligned.
+#[repr(C, align(64))]
+struct Valid([i32; PACKET]);
+
 /// `RTCIntersectArguments` and `RTCOccludedArguments`, which are laid out alike.
 #[repr(C)]
 struct RtcArguments {
@@ -185,7 +189,7 @@ enum Way {
 
 /// A scene of one mesh.
 struct Tree {
-    interface: Arc<Interface>,
+    interface: Interface,
     device: Device,
     scene: Scene,
     /// What the device has. Boxed, as the device knows where it is.
@@ -206,21 +210,18 @@ struct Embree {
     packets: Vec<RtcRayHit16>,
 }
 
-/// All forms of Embree in the library at `path`, or where it is installed.
-///
-/// # Errors
-/// When it is not a library, or not Embree 4.
-pub(crate) fn entrants(path: Option<&Path>) -> Result<Vec<Entrant>> {
+/// All forms of Embree in the library at `path`, or where it is installed. It is opened when a tree is
+/// built, so that a race without Embree needs none.
+pub(crate) fn entrants(path: Option<&Path>) -> Vec<Entrant> {
     let installed = || Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name(INSTALLED);
-    let path = path.map_or_else(installed, Path::to_owned);
-    let interface = Arc::new(Interface::open(&path)?);
+    let path: Arc<Path> = path.map_or_else(installed, Path::to_owned).into();
     let trees: [(&str, Quality, bool, &[Way]); 3] = [
         ("embree", Quality::High, false, &[Way::Single, Way::Coherent, Way::Incoherent]),
         ("embree robust", Quality::High, true, &[Way::Single]),
         ("embree medium", Quality::Medium, false, &[Way::Single]),
     ];
     let entrant = |(name, quality, robust, ways): (&str, Quality, bool, &'static [Way])| {
-        let interface = Arc::clone(&interface);
+        let path = Arc::clone(&path);
         let name_of = |way: &Way| match way {
             Way::Single => name.to_owned(),
             Way::Coherent => format!("{name} packets"),
@@ -230,7 +231,8 @@ pub(crate) fn entrants(path: Option<&Path>) -> Result<Vec<Entrant>> {
             name: name.to_owned(),
             contenders: ways.iter().map(name_of).collect(),
             build: Box::new(move |triangles, threads| {
-                let (tree, time) = Tree::build(&interface, triangles, threads, quality, robust)?;
+                let interface = Interface::open(&path)?;
+                let (tree, time) = Tree::build(interface, triangles, threads, quality, robust)?;
                 let bytes = tree.bytes();
                 let tree = Arc::new(tree);
                 let contender = |way: &Way| {
@@ -243,12 +245,12 @@ pub(crate) fn entrants(path: Option<&Path>) -> Result<Vec<Entrant>> {
             }),
         }
     };
-    Ok(trees.into_iter().map(entrant).collect())
+    trees.into_iter().map(entrant).collect()
 }
 
 impl Tree {
     fn build(
-        interface: &Arc<Interface>,
+        interface: Interface,
         triangles: &[Triangle<f32>],
         threads: usize,
         quality: Quality,
@@ -263,7 +265,8 @@ impl Tree {
             ensure!(!device.is_null(), "Embree makes no device");
             let scene = (interface.new_scene)(device);
             let bytes = Box::new(AtomicIsize::new(0));
-            let tree = Self { interface: Arc::clone(interface), device, scene, bytes };
+            let tree = Self { interface, device, scene, bytes };
+            let interface = &tree.interface;
             (interface.set_quality)(scene, quality as u32);
             (interface.set_flags)(scene, if robust { SCENE_ROBUST } else { 0 });
             let geometry = (interface.new_geometry)(device, TRIANGLES);
@@ -325,13 +328,13 @@ impl Embree {
 
     fn run_packets(&mut self, rays: Range<usize>, query: Query16) {
         let arguments = self.arguments();
-        let all = [-1_i32; PACKET];
+        let all = Valid([-1; PACKET]);
         let scene = self.tree.scene;
         for packet in &mut self.packets[Self::packets(rays)] {
             let packet = std::ptr::from_mut(packet).cast();
-            // SAFETY: the scene is committed, and the packet is laid out and aligned as the header
-            // says.
-            unsafe { query(all.as_ptr(), scene, packet, &raw const arguments) };
+            // SAFETY: the scene is committed, and the packet and who takes part are laid out and aligned
+            // as the header says.
+            unsafe { query(all.0.as_ptr(), scene, packet, &raw const arguments) };
         }
     }
 }

@@ -210,7 +210,7 @@ fn entrants(arguments: &Arguments) -> Result<Vec<Entrant>> {
         entrants.extend(ours::entrants(method)?);
     }
     #[cfg(feature = "embree")]
-    entrants.extend(embree::entrants(arguments.embree.as_deref())?);
+    entrants.extend(embree::entrants(arguments.embree.as_deref()));
     entrants.extend(crates::entrants());
     if arguments.only.is_empty() {
         return Ok(entrants);
