@@ -1,6 +1,7 @@
 //! The wide tree as it is traversed: nodes of eight children, leaves of blocks of eight triangles.
 
-use trisect_core::{Method, Of};
+use prefetch_index::prefetch_index;
+use trisect_core::{Method, Of, Record as _};
 
 use crate::bounds::Bounds;
 use crate::build::Builder;
@@ -13,8 +14,8 @@ const LEAF: u32 = 1 << 31;
 const COUNT_SHIFT: u32 = 28;
 const FIRST_MASK: u32 = (1 << COUNT_SHIFT) - 1;
 
-/// Eight boxes, coordinate by coordinate, and what is in them. A place without a child has a box that
-/// is empty.
+/// Eight boxes, coordinate by coordinate, and what is in them. A place without a child has a box at
+/// infinity, which hardly any ray comes to, and a leaf without blocks.
 #[repr(C, align(64))]
 #[derive(Clone, Debug)]
 pub(crate) struct Node {
@@ -25,10 +26,8 @@ pub(crate) struct Node {
 }
 
 impl Node {
-    pub(crate) const EMPTY: Self = {
-        let empty = [[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]];
-        Self { bounds: [empty; 3], children: [0; WIDTH] }
-    };
+    pub(crate) const EMPTY: Self =
+        { Self { bounds: [[[f32::INFINITY; WIDTH]; 2]; 3], children: [LEAF; WIDTH] } };
 
     pub(crate) fn set(&mut self, lane: usize, bounds: &Bounds, child: u32) {
         for axis in 0..3 {
@@ -125,6 +124,36 @@ pub struct Statistics {
 }
 
 impl<M: Method> Bvh<M> {
+    /// Room for all children that may wait for a visit at a time, a power of two: seven for each node on
+    /// the way down.
+    pub(crate) fn room(&self) -> usize {
+        (self.depth * (WIDTH - 1) + WIDTH).next_power_of_two()
+    }
+
+    /// Has a child fetched that will be visited.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, number: u32) {
+        match child(number) {
+            Child::Node(at) => {
+                // A cache line holds two rows.
+                let node = &self.nodes[at];
+                prefetch_index(node.bounds[0][0].as_slice(), 0);
+                prefetch_index(node.bounds[1][0].as_slice(), 0);
+                prefetch_index(node.bounds[2][0].as_slice(), 0);
+                prefetch_index(node.children.as_slice(), 0);
+            }
+            Child::Leaf(first, _) => {
+                let Some(block) = self.blocks.get(first) else { return };
+                M::Prepared::map(
+                    &block.prepared,
+                    #[inline(always)]
+                    |row: &[f32; WIDTH]| prefetch_index(row, 0),
+                );
+                prefetch_index(block.triangles.as_slice(), 0);
+            }
+        }
+    }
+
     /// Facts about the tree.
     pub(crate) fn statistics_of(&self) -> Statistics {
         let whole = f64::from(self.bounds.half_area());

@@ -4,9 +4,10 @@ use rayon::prelude::*;
 use trisect_core::{Culling, Fused, Lanes, Method, Plain, Ray, Token, Vector};
 
 use crate::bvh::{Bvh, Statistics};
+use crate::hit::{Found, TriangleHit};
+use crate::order::{Order, TILE, of_origins, of_rows, row_length};
+use crate::packet::in_packets;
 use crate::single::singly;
-use crate::stream::stream;
-use crate::traveller::{Found, Traveller, TriangleHit};
 
 /// How a batch of rays is traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,9 +15,10 @@ pub enum Tracing {
     /// Every ray on its own, as fast as the processor can: with fused multiply-add where it has that,
     /// and tests of boxes that are as exact as the method promises to be.
     Single,
-    /// Many rays together, node by node, in the same arithmetic: they share what is fetched, and none
-    /// waits for another. For batches of thousands; best where rays are alike, as those of a camera.
-    Stream,
+    /// Many rays together, in the same arithmetic: those that are near each other go down the tree in
+    /// packets. For batches of thousands; best where rays are alike, as those of a camera, in rows of a
+    /// picture or in tiles of it. Rays that have little in common go singly after all.
+    Packets,
     /// The same answers on every processor, those of testing every triangle: plain arithmetic, and
     /// tests of boxes that allow for their rounding. They do not allow for a method whose `t` is off by
     /// more than that, as Wald's was at ten thousand sizes from the origin.
@@ -66,39 +68,35 @@ fn on_plain_lanes<J: Job>(job: J) -> J::Output {
 }
 
 /// Rays and where their hits go.
-struct Batch<'a, M: Method, T, const ANY: bool, const ROBUST: bool, const STREAMS: bool> {
+struct Batch<'a, M: Method, T, const ANY: bool, const ROBUST: bool, const PACKETS: bool> {
     bvh: &'a Bvh<M>,
     rays: &'a [Ray<f32>],
-    together: bool,
+    order: Order,
     culling: Culling,
     found: &'a mut [T],
 }
 
-impl<M, T, const ANY: bool, const ROBUST: bool, const STREAMS: bool> Job
-    for Batch<'_, M, T, ANY, ROBUST, STREAMS>
+impl<M, T, const ANY: bool, const ROBUST: bool, const PACKETS: bool> Job
+    for Batch<'_, M, T, ANY, ROBUST, PACKETS>
 where
     M: Method,
     T: Found,
 {
     type Output = ();
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
-        let Self { bvh, rays, together, culling, found } = self;
+        let Self { bvh, rays, order, culling, found } = self;
         token.run(
             #[inline(always)]
             || {
                 // Known when it is compiled, where nothing is culled or nothing goes together.
                 let culling = if ROBUST { culling } else { Culling::None };
-                let together = STREAMS && together;
-                if !together {
-                    return singly::<M, L, T, ANY, ROBUST>(bvh, token, culling, rays, found);
-                }
-                let mut travellers = vec![Traveller::NOBODY; rays.len()];
-                for (traveller, ray) in travellers.iter_mut().zip(rays) {
-                    traveller.become_ray::<ROBUST>(ray);
-                }
-                stream::<M, L, ANY, ROBUST>(bvh, token, culling, &mut travellers);
-                for (traveller, found) in travellers.iter().zip(found) {
-                    *found = T::of(traveller.best());
+                match order {
+                    Order::Packets(numbers) if PACKETS => {
+                        in_packets::<M, L, T, ANY, ROBUST>(
+                            bvh, token, culling, rays, &numbers, found,
+                        );
+                    }
+                    _ => singly::<M, L, T, ANY, ROBUST>(bvh, token, culling, rays, found),
                 }
             },
         );
@@ -160,13 +158,21 @@ impl<M: Method> Bvh<M> {
     ) {
         assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
         let fast = tracing != Tracing::Plain && culling == Culling::None;
-        let together = tracing == Tracing::Stream;
-        rays.par_chunks(CHUNK).zip(found.par_chunks_mut(CHUNK)).for_each(|(rays, found)| {
-            let rest = if fast { self.fast::<T, ANY>(rays, together, found) } else { Some(found) };
+        let together = fast && tracing == Tracing::Packets;
+        let row = if together { row_length(rays) } else { None };
+        let chunk = row.map_or(CHUNK, |row| CHUNK.next_multiple_of(TILE * row));
+        rays.par_chunks(chunk).zip(found.par_chunks_mut(chunk)).for_each(|(rays, found)| {
+            let order = match row {
+                Some(row) => of_rows(rays.len(), row),
+                None if together => of_origins(rays),
+                None => Order::Singly,
+            };
+            let rest = if fast { self.fast::<T, ANY>(rays, order, found) } else { Some(found) };
             if let Some(found) = rest {
+                let order = Order::Singly;
                 // The nearest hit is one as well: one instance less.
                 let plain =
-                    Batch::<M, T, false, true, false> { bvh: self, rays, together, culling, found };
+                    Batch::<M, T, false, true, false> { bvh: self, rays, order, culling, found };
                 on_plain_lanes(plain);
             }
         });
@@ -176,17 +182,15 @@ impl<M: Method> Bvh<M> {
     fn fast<'a, T: Found, const ANY: bool>(
         &'a self,
         rays: &'a [Ray<f32>],
-        together: bool,
+        order: Order,
         found: &'a mut [T],
     ) -> Option<&'a mut [T]> {
         let culling = Culling::None;
         if const { M::INFO.claims.watertight } {
-            let batch =
-                Batch::<M, T, ANY, true, true> { bvh: self, rays, together, culling, found };
+            let batch = Batch::<M, T, ANY, true, true> { bvh: self, rays, order, culling, found };
             on_fast_lanes(batch).err().map(|batch| batch.found)
         } else {
-            let batch =
-                Batch::<M, T, ANY, false, true> { bvh: self, rays, together, culling, found };
+            let batch = Batch::<M, T, ANY, false, true> { bvh: self, rays, order, culling, found };
             on_fast_lanes(batch).err().map(|batch| batch.found)
         }
     }

@@ -1,81 +1,85 @@
 //! Rays through the tree, each on its own way.
 
-use trisect_core::{Culling, Lanes, Method, Ray};
+use trisect_core::{Culling, Lanes, Method, Ray, Vec3};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
-use crate::traveller::{Found, Traveller};
+use crate::hit::Found;
+use crate::leaf::{end, test_leaf};
+use crate::rows::{RAYS, Rows};
 
 /// What waits to be visited: the distance in the upper half, the child in the lower.
 type Waiting = u64;
 
-/// Rays that are on their way at the same time: while one waits for the outcome of its last test, the
-/// other goes on. More than two gained nothing where it was tried.
-const IN_FLIGHT: usize = 2;
-
 /// A ray under way.
-#[derive(Clone, Copy)]
-struct Flight {
-    /// Its number.
-    number: usize,
-    traveller: Traveller,
+struct Flight<'a> {
+    /// Its place, where there is one.
+    place: usize,
+    is_busy: bool,
     /// The node that was visited last.
     node: u32,
     /// Its children that the ray meets, in bits, and where. They are looked at when it is the ray's
     /// turn again: by then they are known, and a branch on them that was predicted wrongly costs little.
     met: u64,
     distances: [f32; WIDTH],
-    /// How many wait.
-    waiting: usize,
+    waiting: Stack<'a>,
 }
 
-impl Flight {
-    const NOBODY: Self = Self {
-        number: 0,
-        traveller: Traveller::NOBODY,
-        node: 0,
-        met: 0,
-        distances: [0.0; WIDTH],
-        waiting: 0,
-    };
-
-    /// Puts the next ray that has anything to find at the root; those before it find nothing. Whether
-    /// there is one.
+impl Flight<'_> {
+    /// Puts the next of the rays that are left at the root, where there is one.
     #[inline(always)]
-    fn launch<'a, M, L, T, const ROBUST: bool>(
+    fn launch<M, L, const ROBUST: bool>(
         &mut self,
         bvh: &Bvh<M>,
         token: L::Token,
-        rays: &mut impl Iterator<Item = (usize, &'a Ray<f32>)>,
-        found: &mut [T],
-    ) -> bool
-    where
+        rows: &Rows,
+        left: &mut u64,
+    ) where
         M: Method,
         L: Lanes<Elem = f32>,
-        T: Found,
     {
-        for (number, ray) in rays {
-            self.traveller.become_ray::<ROBUST>(ray);
-            if self.traveller.has_any() {
-                self.number = number;
-                self.waiting = 0;
-                self.visit::<M, L, ROBUST>(bvh, token, 0);
-                return true;
-            }
-            found[number] = T::of(self.traveller.best());
+        self.is_busy = *left != 0;
+        if self.is_busy {
+            self.place = left.trailing_zeros() as usize;
+            *left &= *left - 1;
+            self.waiting.count = 0;
+            self.visit::<M, L, ROBUST>(bvh, token, rows, 0);
         }
-        false
     }
 
     #[inline(always)]
-    fn visit<M, L, const ROBUST: bool>(&mut self, bvh: &Bvh<M>, token: L::Token, node: u32)
-    where
+    fn visit<M, L, const ROBUST: bool>(
+        &mut self,
+        bvh: &Bvh<M>,
+        token: L::Token,
+        rows: &Rows,
+        number: u32,
+    ) where
         M: Method,
         L: Lanes<Elem = f32>,
     {
-        self.node = node;
-        let (traveller, node) = (&self.traveller, &bvh.nodes[node as usize]);
-        self.met =
-            traveller.meet::<L, ROBUST>(token, node, traveller.octant(), &mut self.distances);
+        let node = &bvh.nodes[number as usize];
+        let slabs = rows.slabs::<L>(token, self.place);
+        let interval = rows.interval::<L>(token, self.place);
+        self.node = number;
+        self.met = 0;
+        let mut lane = 0;
+        while lane < WIDTH {
+            let [x, y, z] = &node.bounds;
+            let from = Vec3::new(
+                L::load(token, &x[0][lane..]),
+                L::load(token, &y[0][lane..]),
+                L::load(token, &z[0][lane..]),
+            );
+            let to = Vec3::new(
+                L::load(token, &x[1][lane..]),
+                L::load(token, &y[1][lane..]),
+                L::load(token, &z[1][lane..]),
+            );
+            let (from, to) = slabs.cross_either_way::<ROBUST>(from, to, interval);
+            self.met |= L::bits(from.le(to)) << lane;
+            from.store(&mut self.distances[lane..]);
+            lane += L::N;
+        }
     }
 
     /// Visits a node or a leaf; whether the ray has arrived.
@@ -85,33 +89,36 @@ impl Flight {
         bvh: &Bvh<M>,
         token: L::Token,
         culling: Culling,
-        stack: &mut [Waiting],
+        rows: &mut Rows,
     ) -> bool
     where
         M: Method,
         L: Lanes<Elem = f32>,
     {
-        let mut waiting = Stack { items: stack, count: self.waiting };
         let current = if self.met != 0 {
             let node = &bvh.nodes[self.node as usize];
-            waiting.descend::<ANY>(node, self.met, &self.distances)
+            self.waiting.descend::<ANY>(node, self.met, &self.distances)
         } else {
             // What begins behind the best hit is not worth a visit any more.
             loop {
-                let Some(item) = waiting.pop() else { return true };
-                if ANY || distance(item) <= self.traveller.tmax() {
+                let Some(item) = self.waiting.pop() else { return true };
+                if ANY || distance(item) <= rows.tmax(self.place) {
                     break low(item);
                 }
             }
         };
-        self.waiting = waiting.count;
         match child(current) {
-            Child::Node(_) => self.visit::<M, L, ROBUST>(bvh, token, current),
+            Child::Node(_) => self.visit::<M, L, ROBUST>(bvh, token, rows, current),
             Child::Leaf(first, count) => {
                 self.met = 0;
                 let blocks = first..first + count;
-                self.traveller.test_leaf::<M, L, ANY, ROBUST>(bvh, token, blocks, culling);
-                return ANY && self.traveller.has_hit();
+                let (ray, best) = (rows.ray(self.place), &mut rows.best[self.place % RAYS]);
+                test_leaf::<M, L, ANY>(bvh, token, blocks, culling, &ray, best);
+                if best.is_hit() {
+                    let tmax = end::<ANY, ROBUST>(best);
+                    rows.end(self.place, tmax);
+                    return ANY;
+                }
             }
         }
         false
@@ -132,35 +139,34 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
     L: Lanes<Elem = f32>,
     T: Found,
 {
-    // Seven wait at each node on the way down.
-    let room = (bvh.depth * (WIDTH - 1) + WIDTH).next_power_of_two();
-    let mut items = vec![0; room * IN_FLIGHT];
-    let mut parts = items.chunks_exact_mut(room);
-    let mut stacks: [&mut [Waiting]; IN_FLIGHT] =
-        std::array::from_fn(|_| parts.next().expect("each has its room"));
-    let mut flights = [Flight::NOBODY; IN_FLIGHT];
-    let mut rays = rays.iter().enumerate();
-    let mut count = 0;
-    while count < IN_FLIGHT
-        && flights[count].launch::<M, L, T, ROBUST>(bvh, token, &mut rays, found)
-    {
-        count += 1;
-    }
-    while count > 0 {
-        let mut at = 0;
-        while at < count {
-            let flight = &mut flights[at];
-            if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, stacks[at]) {
-                found[flight.number] = T::of(flight.traveller.best());
-                if !flight.launch::<M, L, T, ROBUST>(bvh, token, &mut rays, found) {
-                    // No ray is left; the last one takes its place, with what waits for it.
-                    count -= 1;
-                    flights.swap(at, count);
-                    stacks.swap(at, count);
-                    continue;
-                }
+    let mut rows = Rows::EMPTY;
+    let mut items = vec![0; 2 * bvh.room()];
+    let mut parts = items.chunks_exact_mut(bvh.room());
+    // While one waits for the outcome of its last test, the other goes on. More than two gained nothing
+    // where it was tried.
+    let mut flights: [Flight<'_>; 2] = std::array::from_fn(|_| Flight {
+        place: 0,
+        is_busy: false,
+        node: 0,
+        met: 0,
+        distances: [0.0; WIDTH],
+        waiting: Stack { items: parts.next().expect("each has its room"), count: 0 },
+    });
+    for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
+        let mut left = rows.fill::<L, ROBUST>(token, rays.iter());
+        let [mut one, mut other] = flights.each_mut();
+        one.launch::<M, L, ROBUST>(bvh, token, &rows, &mut left);
+        other.launch::<M, L, ROBUST>(bvh, token, &rows, &mut left);
+        while one.is_busy {
+            if one.step::<M, L, ANY, ROBUST>(bvh, token, culling, &mut rows) {
+                one.launch::<M, L, ROBUST>(bvh, token, &rows, &mut left);
             }
-            at += 1;
+            if other.is_busy {
+                std::mem::swap(&mut one, &mut other);
+            }
+        }
+        for (found, best) in found.iter_mut().zip(&rows.best) {
+            *found = T::of(best);
         }
     }
 }

@@ -213,7 +213,7 @@ impl Run<'_> {
             }
             self.lines.push(Record::Tree(resident.built.clone()));
             for class in classes {
-                let ways = [Tracing::Single, Tracing::Stream];
+                let ways = [Tracing::Single, Tracing::Packets];
                 let of = |resident| ways.map(|way| Contender::new(resident, way, &self.one));
                 // The method that all are compared with is in turn with itself: that says how much
                 // times differ by chance.

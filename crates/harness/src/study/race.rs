@@ -102,7 +102,7 @@ impl<'a> Contender<'a> {
     pub(super) fn tracing_name(&self) -> &'static str {
         match self.tracing {
             Tracing::Single => "single",
-            Tracing::Stream => "stream",
+            Tracing::Packets => "stream",
             Tracing::Plain => "plain",
         }
     }

@@ -57,7 +57,7 @@ pub fn traced(
         assert_eq!(found.is_some(), *any, "{ray:?}");
     }
     if tracing == Tracing::Single {
-        let together = traced(tree, Tracing::Stream, culling, rays);
+        let together = traced(tree, Tracing::Packets, culling, rays);
         for ((found, together), ray) in found.iter().zip(&together).zip(rays) {
             let t = |hit: &Option<TriangleHit>| hit.map_or(f32::MAX, |hit| hit.hit.t);
             let (found, together) = (t(found), t(together));

@@ -1,0 +1,209 @@
+//! What contains all rays of a packet that go together: an interval for each coordinate of their origins
+//! and inverse directions, and the test of boxes for all of them at once.
+//!
+//! Boulos, Wald, Shirley: Geometric and Arithmetic Culling Methods for Entire Ray Packets. University of
+//! Utah, UUCS-06-10, 2006.
+
+use trisect_core::{Lanes, Vec3};
+
+use crate::bvh::{Node, WIDTH};
+use crate::rows::{RAYS, Rows, least, splat};
+use crate::slabs::within;
+
+/// The octant that rays look into: along each axis, which end of a box is nearer.
+#[derive(Clone, Copy)]
+pub(crate) struct Octant([usize; 3]);
+
+impl Octant {
+    /// That of an inverse direction.
+    #[inline(always)]
+    fn of(inverse: Vec3<f32>) -> Self {
+        let Vec3 { x, y, z } = inverse;
+        Self([usize::from(x < 0.0), usize::from(y < 0.0), usize::from(z < 0.0)])
+    }
+
+    /// The ends of boxes along an axis, the nearer one first.
+    #[inline(always)]
+    fn ends(self, node: &Node, axis: usize) -> [&[f32; WIDTH]; 2] {
+        let near = self.0[axis] & 1;
+        [&node.bounds[axis][near], &node.bounds[axis][near ^ 1]]
+    }
+
+    /// The coordinates of the nearer and of the farther planes of a child's box.
+    #[inline(always)]
+    pub(crate) fn planes(self, node: &Node, lane: usize) -> (Vec3<f32>, Vec3<f32>) {
+        let [x, y, z] = [self.ends(node, 0), self.ends(node, 1), self.ends(node, 2)];
+        (
+            Vec3::new(x[0][lane], y[0][lane], z[0][lane]),
+            Vec3::new(x[1][lane], y[1][lane], z[1][lane]),
+        )
+    }
+
+    /// Those of as many children as there are lanes, from one on.
+    #[inline(always)]
+    fn many_planes<L: Lanes<Elem = f32>>(
+        self,
+        token: L::Token,
+        node: &Node,
+        lane: usize,
+    ) -> (Vec3<L>, Vec3<L>) {
+        let [x, y, z] = [self.ends(node, 0), self.ends(node, 1), self.ends(node, 2)];
+        let near = Vec3::new(
+            L::load(token, &x[0][lane..]),
+            L::load(token, &y[0][lane..]),
+            L::load(token, &z[0][lane..]),
+        );
+        let far = Vec3::new(
+            L::load(token, &x[1][lane..]),
+            L::load(token, &y[1][lane..]),
+            L::load(token, &z[1][lane..]),
+        );
+        (near, far)
+    }
+}
+
+/// See the module.
+pub(crate) struct Envelope {
+    /// The rays, in bits.
+    pub(crate) rays: u64,
+    /// Their octant.
+    pub(crate) octant: Octant,
+    /// The ends of their origins: where nearer planes are the nearest, and farther ones the farthest.
+    nearest: Vec3<f32>,
+    farthest: Vec3<f32>,
+    /// The ends of their inverse directions: the smaller and the larger magnitude.
+    small: Vec3<f32>,
+    large: Vec3<f32>,
+    tmin: f32,
+    /// Where the last of their intervals ends.
+    pub(crate) tmax: f32,
+}
+
+impl Envelope {
+    /// Of those of some rays that look into the octant of the first of them.
+    #[inline(always)]
+    pub(crate) fn new<L: Lanes<Elem = f32>>(token: L::Token, rows: &Rows, some: u64) -> Self {
+        let zero = L::splat(token, 0.0);
+        let octant_of = rows.slabs::<L>(token, some.trailing_zeros() as usize).inverse;
+        let infinite = zero.constant(f32::INFINITY);
+        let none = Vec3 { x: infinite, y: infinite, z: infinite };
+        // Numbers and their negatives: so the least of all is taken everywhere.
+        let (mut o, mut minus_o, mut r, mut minus_r) = (none, none, none, none);
+        let (mut tmin, mut minus_tmax) = (infinite, infinite);
+        let (mut rays, mut at) = (0, 0);
+        while at < RAYS {
+            let origins = rows.many_origins::<L>(token, at);
+            let inverse = rows.many_slabs::<L>(token, at).inverse;
+            let interval = rows.many_intervals::<L>(token, at);
+            let here = inverse.x.xor_sign(octant_of.x).ge(zero)
+                & inverse.y.xor_sign(octant_of.y).ge(zero)
+                & inverse.z.xor_sign(octant_of.z).ge(zero)
+                & interval.0.le(interval.1);
+            rays |= L::bits(here) << at;
+            o = lesser(o, origins, here);
+            minus_o = lesser(minus_o, -origins, here);
+            r = lesser(r, inverse, here);
+            minus_r = lesser(minus_r, -inverse, here);
+            tmin = L::select(here, tmin.min(interval.0), tmin);
+            minus_tmax = L::select(here, minus_tmax.min(-interval.1), minus_tmax);
+            at += L::N;
+        }
+        let (o_min, o_max) = (across(o), -across(minus_o));
+        let (r_min, r_max) = (across(r), -across(minus_r));
+        let (x, y, z) = (r_min.x < 0.0, r_min.y < 0.0, r_min.z < 0.0);
+        let pick = |a: Vec3<f32>, b: Vec3<f32>| {
+            Vec3::new(
+                if x { a.x } else { b.x },
+                if y { a.y } else { b.y },
+                if z { a.z } else { b.z },
+            )
+        };
+        Self {
+            rays: rays & some,
+            octant: Octant::of(r_min),
+            nearest: pick(o_min, o_max),
+            farthest: pick(o_max, o_min),
+            small: pick(r_max, r_min),
+            large: pick(r_min, r_max),
+            tmin: least(tmin),
+            tmax: -least(minus_tmax),
+        }
+    }
+
+    /// The children whose boxes any of the rays may meet, in bits, and where it enters each at the
+    /// nearest.
+    #[inline(always)]
+    pub(crate) fn meet<L: Lanes<Elem = f32>>(
+        &self,
+        token: L::Token,
+        node: &Node,
+        distances: &mut [f32; WIDTH],
+    ) -> u64 {
+        let (nearest, farthest) =
+            (splat::<L>(token, self.nearest), splat::<L>(token, self.farthest));
+        let (small, large) = (splat::<L>(token, self.small), splat::<L>(token, self.large));
+        let interval = (L::splat(token, self.tmin), L::splat(token, self.tmax));
+        let (mut met, mut lane) = (0, 0);
+        while lane < WIDTH {
+            let (near, far) = self.octant.many_planes::<L>(token, node, lane);
+            let (near, far) = (near - nearest, far - farthest);
+            let near = Vec3::new(
+                least_product(near.x, small.x, large.x),
+                least_product(near.y, small.y, large.y),
+                least_product(near.z, small.z, large.z),
+            );
+            let far = Vec3::new(
+                largest_product(far.x, small.x, large.x),
+                largest_product(far.y, small.y, large.y),
+                largest_product(far.z, small.z, large.z),
+            );
+            // Always allows for rounding: the tests of single rays do not round what this rounds.
+            let (from, to) = within::<L, true>(near, far, interval);
+            met |= L::bits(from.le(to)) << lane;
+            from.store(&mut distances[lane..]);
+            lane += L::N;
+        }
+        met
+    }
+
+    /// Looks again where the last of the intervals ends.
+    #[inline(always)]
+    pub(crate) fn shorten<L: Lanes<Elem = f32>>(&mut self, token: L::Token, rows: &Rows) {
+        let (mut minus_tmax, mut at) = (L::splat(token, f32::INFINITY), 0);
+        while at < RAYS {
+            let (_, tmax) = rows.many_intervals::<L>(token, at);
+            minus_tmax = (-tmax).min(minus_tmax);
+            at += L::N;
+        }
+        self.tmax = -least(minus_tmax);
+    }
+}
+
+/// The least product with a number between two of one sign, the larger of which may be infinite: NaN
+/// where a ray may lie in the plane.
+#[inline(always)]
+fn least_product<L: Lanes>(x: L, small: L, large: L) -> L {
+    (x * small).min(x * large)
+}
+
+/// The largest one, likewise.
+#[inline(always)]
+fn largest_product<L: Lanes>(x: L, small: L, large: L) -> L {
+    (x * small).max(x * large)
+}
+
+/// The lesser coordinates, of those lanes that count.
+#[inline(always)]
+fn lesser<L: Lanes>(so_far: Vec3<L>, v: Vec3<L>, counts: L::Mask) -> Vec3<L> {
+    Vec3::new(
+        L::select(counts, so_far.x.min(v.x), so_far.x),
+        L::select(counts, so_far.y.min(v.y), so_far.y),
+        L::select(counts, so_far.z.min(v.z), so_far.z),
+    )
+}
+
+/// The least of all lanes, coordinate by coordinate.
+#[inline(always)]
+fn across<L: Lanes<Elem = f32>>(v: Vec3<L>) -> Vec3<f32> {
+    Vec3::new(least(v.x), least(v.y), least(v.z))
+}

@@ -1,0 +1,59 @@
+//! The best hit of a ray so far, and what a caller keeps of it.
+
+use std::hint::select_unpredictable;
+
+use trisect_core::Hit;
+
+/// The nearest triangle that a ray hits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleHit {
+    /// Its number.
+    pub triangle: u32,
+    /// Where.
+    pub hit: Hit<f32>,
+}
+
+/// What is farther than every hit, and nearer than infinity, which stands for none.
+pub(crate) const NO_HIT: TriangleHit =
+    TriangleHit { triangle: u32::MAX, hit: Hit { t: f32::MAX, beta: 0.0, gamma: 0.0 } };
+
+impl TriangleHit {
+    /// Whether it is not [`NO_HIT`].
+    #[inline(always)]
+    pub(crate) fn is_hit(&self) -> bool {
+        self.triangle != NO_HIT.triangle
+    }
+
+    /// Takes another, if it is nearer, or as near and of a lower number. Which cannot be foretold, so
+    /// without branches.
+    #[allow(clippy::needless_bitwise_bool, reason = "`||` may branch")]
+    #[inline(always)]
+    pub(crate) fn improve(&mut self, other: Self) {
+        let (old, new) = (self.hit, other.hit);
+        let is_better = (new.t < old.t) | ((new.t == old.t) & (other.triangle < self.triangle));
+        self.triangle = select_unpredictable(is_better, other.triangle, self.triangle);
+        self.hit.t = select_unpredictable(is_better, new.t, old.t);
+        self.hit.beta = select_unpredictable(is_better, new.beta, old.beta);
+        self.hit.gamma = select_unpredictable(is_better, new.gamma, old.gamma);
+    }
+}
+
+/// What is kept of a ray's hit.
+pub(crate) trait Found: Send {
+    /// From the best hit, which may be [`NO_HIT`].
+    fn of(best: &TriangleHit) -> Self;
+}
+
+impl Found for Option<TriangleHit> {
+    #[inline(always)]
+    fn of(best: &TriangleHit) -> Self {
+        best.is_hit().then_some(*best)
+    }
+}
+
+impl Found for bool {
+    #[inline(always)]
+    fn of(best: &TriangleHit) -> Self {
+        best.is_hit()
+    }
+}

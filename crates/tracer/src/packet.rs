@@ -1,0 +1,178 @@
+//! Rays in packets: those that look into one octant go down the tree together. A node's eight children
+//! are tested at once for all of them; a child that passes is tested for as many rays at once as there are
+//! lanes; and a leaf's triangles, eight at once, for each ray that is left.
+//!
+//! Overbeck, Ramamoorthi, Mark: Large Ray Packets for Real-time Whitted Ray Tracing. IEEE Symposium on
+//! Interactive Ray Tracing, 2008.
+
+use std::hint::select_unpredictable;
+
+use trisect_core::{Culling, Lanes, Method, Ray, Vec3};
+
+use crate::bvh::{Bvh, Child, WIDTH, child};
+use crate::envelope::Envelope;
+use crate::hit::Found;
+use crate::leaf::{end, test_leaf};
+use crate::rows::{RAYS, Rows, splat};
+
+/// A child that waits for a packet.
+#[derive(Clone, Copy)]
+struct Waiting {
+    /// Where it begins at the nearest, in the upper half; its node and lane in the lower: so the order of
+    /// numbers is that of distances.
+    key: u64,
+    /// The rays that have met its node.
+    rays: u64,
+}
+
+/// As [`singly`](crate::single::singly), for rays that go together: in an order of choice, as they are
+/// where there are no `numbers`.
+#[inline(always)]
+pub(crate) fn in_packets<M, L, T, const ANY: bool, const ROBUST: bool>(
+    bvh: &Bvh<M>,
+    token: L::Token,
+    culling: Culling,
+    rays: &[Ray<f32>],
+    numbers: &[u32],
+    found: &mut [T],
+) where
+    M: Method,
+    L: Lanes<Elem = f32>,
+    T: Found,
+{
+    let mut rows = Rows::EMPTY;
+    let mut waiting = vec![Waiting { key: 0, rays: 0 }; bvh.room()];
+    let mut start = 0;
+    while start < rays.len() {
+        let part = start..rays.len().min(start + RAYS);
+        let mut left = if numbers.is_empty() {
+            rows.fill::<L, ROBUST>(token, rays[part.clone()].iter())
+        } else {
+            let numbers = numbers[part.clone()].iter();
+            rows.fill::<L, ROBUST>(
+                token,
+                numbers.map(
+                    #[inline(always)]
+                    |&number| &rays[number as usize],
+                ),
+            )
+        };
+        while left != 0 {
+            let envelope = Envelope::new::<L>(token, &rows, left);
+            left &= !envelope.rays;
+            go::<M, L, ANY, ROBUST>(bvh, token, culling, &mut rows, envelope, &mut waiting);
+        }
+        if numbers.is_empty() {
+            for (found, best) in found[part.clone()].iter_mut().zip(&rows.best) {
+                *found = T::of(best);
+            }
+        } else {
+            for (&number, best) in numbers[part.clone()].iter().zip(&rows.best) {
+                found[number as usize] = T::of(best);
+            }
+        }
+        start = part.end;
+    }
+}
+
+/// Takes the rays of an envelope through the tree.
+#[inline(always)]
+fn go<M, L, const ANY: bool, const ROBUST: bool>(
+    bvh: &Bvh<M>,
+    token: L::Token,
+    culling: Culling,
+    rows: &mut Rows,
+    mut envelope: Envelope,
+    waiting: &mut [Waiting],
+) where
+    M: Method,
+    L: Lanes<Elem = f32>,
+{
+    // Its length is a power of two that the tree cannot exceed.
+    let mask = waiting.len() - 1;
+    let mut distances = [0.0; WIDTH];
+    let (mut count, mut number, mut rays) = (0, 0, envelope.rays);
+    loop {
+        let node = &bvh.nodes[number];
+        let mut met = envelope.meet::<L>(token, node, &mut distances);
+        let base = count;
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize % WIDTH;
+            met &= met - 1;
+            bvh.prefetch(node.children[lane]);
+            let key = u64::from(distances[lane].to_bits()) << 32 | (number * WIDTH + lane) as u64;
+            // By insertion: those that are nearer than the new one move up.
+            let mut place = count;
+            while place > base && waiting[(place - 1) & mask].key < key {
+                waiting[place & mask] = waiting[(place - 1) & mask];
+                place -= 1;
+            }
+            waiting[place & mask] = Waiting { key, rays };
+            count += 1;
+        }
+        loop {
+            if count == 0 {
+                return;
+            }
+            count -= 1;
+            let next = waiting[count & mask];
+            #[allow(clippy::cast_possible_truncation, reason = "the two halves")]
+            let (distance, place) = ((next.key >> 32) as u32, next.key as u32 as usize);
+            if f32::from_bits(distance) > envelope.tmax {
+                continue;
+            }
+            let (node, lane) = (&bvh.nodes[place / WIDTH], place % WIDTH);
+            let (near, far) = envelope.octant.planes(node, lane);
+            let mut met = meet::<L, ROBUST>(token, rows, near, far, next.rays);
+            if met == 0 {
+                continue;
+            }
+            match child(node.children[lane]) {
+                Child::Node(node) => {
+                    (number, rays) = (node, met);
+                    break;
+                }
+                Child::Leaf(first, blocks) => {
+                    let mut any = false;
+                    while met != 0 {
+                        let place = met.trailing_zeros() as usize % RAYS;
+                        met &= met - 1;
+                        let (ray, best) = (rows.ray(place), &mut rows.best[place]);
+                        let blocks = first..first + blocks;
+                        test_leaf::<M, L, ANY>(bvh, token, blocks, culling, &ray, best);
+                        let is_hit = best.is_hit();
+                        any |= is_hit;
+                        let tmax = end::<ANY, ROBUST>(best);
+                        rows.end(place, select_unpredictable(is_hit, tmax, ray.tmax));
+                    }
+                    if any {
+                        envelope.shorten::<L>(token, rows);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Those of some rays that meet a box, between planes that are nearer and farther to all of them.
+#[inline(always)]
+fn meet<L: Lanes<Elem = f32>, const ROBUST: bool>(
+    token: L::Token,
+    rows: &Rows,
+    near: Vec3<f32>,
+    far: Vec3<f32>,
+    rays: u64,
+) -> u64 {
+    let (near, far) = (splat::<L>(token, near), splat::<L>(token, far));
+    let (mut met, mut at) = (0, 0);
+    while at < RAYS {
+        if rays >> at & ((1 << L::N) - 1) != 0 {
+            let slabs = rows.many_slabs::<L>(token, at);
+            let interval = rows.many_intervals::<L>(token, at);
+            let (from, to) = slabs.cross::<ROBUST>(near, far, interval);
+            met |= L::bits(from.le(to)) << at;
+        }
+        at += L::N;
+    }
+    met & rays
+}

@@ -1,0 +1,119 @@
+//! Where rays enter and leave boxes: one ray and eight boxes, or as many rays as there are lanes and one
+//! box, by one formula.
+//!
+//! Kay, Kajiya: Ray Tracing Complex Scenes. SIGGRAPH 1986.
+
+use trisect_core::{Lanes, Ray, Vec3};
+
+/// A coordinate of the direction that is smaller than this share of the largest counts as that share
+/// where tests of boxes need not be exact: so the distances to planes stay finite.
+const FLATTEST: f32 = 1e-18;
+
+/// How far rounding may move the distance to a plane, relative to it: `(v − o)·(1/d)` rounds three
+/// times, the comparison of two of them counts both, and the rest is room for a hit that a watertight
+/// method accepts beside a box, since the corners that it sees are rounded as well.
+pub(crate) const ROUNDINGS: f32 = 8.0 * (f32::EPSILON / 2.0);
+
+/// What is computed once per ray for the boxes.
+#[derive(Clone, Copy)]
+pub(crate) struct Slabs<L> {
+    /// Of the direction. Where `ROBUST`, plus infinity along an axis across the ray.
+    pub(crate) inverse: Vec3<L>,
+    /// `origin · inverse`, which is taken from a coordinate's product with the inverse; the origin where
+    /// `ROBUST`, which is taken from the coordinate itself: that is exact, or relative to the distance.
+    pub(crate) start: Vec3<L>,
+}
+
+impl<L: Lanes<Elem = f32>> Slabs<L> {
+    #[inline(always)]
+    pub(crate) fn new<const ROBUST: bool>(ray: &Ray<L>) -> Self {
+        let Ray { o, d, .. } = *ray;
+        let one = o.x.constant(1.0);
+        if ROBUST {
+            let inverse = Vec3::new(
+                across_is_positive(one / d.x),
+                across_is_positive(one / d.y),
+                across_is_positive(one / d.z),
+            );
+            return Self { inverse, start: o };
+        }
+        let (x, y, z) = (d.x.magnitude(), d.y.magnitude(), d.z.magnitude());
+        let least = x.max(y).max(z) * o.x.constant(FLATTEST);
+        let inverse = Vec3::new(
+            one / x.max(least).xor_sign(d.x),
+            one / y.max(least).xor_sign(d.y),
+            one / z.max(least).xor_sign(d.z),
+        );
+        let start = Vec3::new(o.x * inverse.x, o.y * inverse.y, o.z * inverse.z);
+        Self { inverse, start }
+    }
+
+    /// The distances to planes of one coordinate each, infinite, or NaN for a plane that the ray lies in.
+    #[inline(always)]
+    fn distances<const ROBUST: bool>(&self, planes: Vec3<L>) -> Vec3<L> {
+        let (r, s) = (self.inverse, self.start);
+        if ROBUST {
+            Vec3::new((planes.x - s.x) * r.x, (planes.y - s.y) * r.y, (planes.z - s.z) * r.z)
+        } else {
+            Vec3::new(
+                planes.x.mul_sub(r.x, s.x),
+                planes.y.mul_sub(r.y, s.y),
+                planes.z.mul_sub(r.z, s.z),
+            )
+        }
+    }
+
+    /// Where rays enter boxes and where they leave them, within their intervals, from the coordinates of
+    /// the nearer and the farther planes. They meet where the first is at most the second.
+    #[inline(always)]
+    pub(crate) fn cross<const ROBUST: bool>(
+        &self,
+        near: Vec3<L>,
+        far: Vec3<L>,
+        interval: (L, L),
+    ) -> (L, L) {
+        let (near, far) = (self.distances::<ROBUST>(near), self.distances::<ROBUST>(far));
+        within::<L, ROBUST>(near, far, interval)
+    }
+
+    /// The same from the coordinates of the planes in order, whichever are nearer.
+    #[inline(always)]
+    pub(crate) fn cross_either_way<const ROBUST: bool>(
+        &self,
+        from: Vec3<L>,
+        to: Vec3<L>,
+        interval: (L, L),
+    ) -> (L, L) {
+        let (a, b) = (self.distances::<ROBUST>(from), self.distances::<ROBUST>(to));
+        // Where the ray lies in a plane, its distance is NaN and the inverse plus infinity: the box
+        // begins at minus infinity or at NaN, and ends at plus infinity or at NaN.
+        let near = Vec3::new(b.x.min(a.x), b.y.min(a.y), b.z.min(a.z));
+        let far = Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
+        within::<L, ROBUST>(near, far, interval)
+    }
+}
+
+/// Plus infinity for either infinity.
+#[inline(always)]
+fn across_is_positive<L: Lanes<Elem = f32>>(inverse: L) -> L {
+    let is_minus_infinity = inverse.lt(inverse.constant(f32::MIN));
+    L::select(is_minus_infinity, inverse.constant(f32::INFINITY), inverse)
+}
+
+/// The last of three slabs that is entered and the first that is left, within an interval. What is NaN
+/// says nothing.
+#[inline(always)]
+pub(crate) fn within<L: Lanes<Elem = f32>, const ROBUST: bool>(
+    near: Vec3<L>,
+    far: Vec3<L>,
+    (tmin, tmax): (L, L),
+) -> (L, L) {
+    if !ROBUST {
+        // Shorter chains, where nothing is NaN.
+        return (near.x.max(near.y).max(near.z.max(tmin)), far.x.min(far.y).min(far.z.min(tmax)));
+    }
+    let from = near.z.max(near.y.max(near.x.max(tmin)));
+    let to = far.z.min(far.y.min(far.x.min(tmax)));
+    let by = from.constant(ROUNDINGS);
+    (from - from.magnitude() * by, to + to.magnitude() * by)
+}
