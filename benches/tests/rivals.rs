@@ -15,11 +15,11 @@ const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n";
 /// The contenders that need nothing to be installed.
 const CONTENDERS: [&str; 12] = [
     "moller-trumbore",
-    "moller-trumbore streams",
+    "moller-trumbore packets",
     "moller-trumbore binned",
     "moller-trumbore linear",
     "watertight",
-    "watertight streams",
+    "watertight packets",
     "watertight binned",
     "watertight linear",
     "obvhs bvh2",
@@ -94,8 +94,8 @@ fn everybody_hits_what_the_oracle_hits_on_the_teapot() {
         json(Path::new("."), &[&["--mesh", teapot, "--only", &all()][..], &small].concat());
     let built = &report["builds"][0];
     assert_eq!((&report["threads"], &report["repeat"]), (&2.into(), &2.into()));
-    // Streams share the tree of single rays.
-    let trees = CONTENDERS.into_iter().filter(|name| !name.ends_with("streams"));
+    // Packets share the tree of single rays.
+    let trees = CONTENDERS.into_iter().filter(|name| !name.ends_with("packets"));
     assert_eq!(names(&built["trees"]), trees.collect::<Vec<_>>());
     for tree in list(&built["trees"]) {
         assert!(tree["samples_ns"][0].as_u64() > Some(0), "{tree}");
@@ -123,7 +123,7 @@ fn everybody_hits_what_the_oracle_hits_on_the_teapot() {
         }
         let hits = |place: usize| contenders[place]["hits"].as_u64().expect("a count");
         assert!(hits(0) > 0);
-        // Single rays and streams are asked the same of the same tree.
+        // Single rays and packets are asked the same of the same tree.
         assert_eq!((hits(0), hits(4)), (hits(1), hits(5)));
         // Others may lose rays between triangles, but not many.
         let rays = race["rays"].as_u64().expect("a count");
@@ -162,9 +162,9 @@ fn rays_of_a_file_are_traced_by_all() {
 fn only_those_named_take_part() {
     let folder = folder();
     let rays = ["--mesh", "mesh.obj", "--rays", "rays.rays", "--repeat", "1", "--builds", "3"];
-    let some = ["--json", "--methods", "wald", "--only", "parry3d,wald streams"];
+    let some = ["--json", "--methods", "wald", "--only", "parry3d,wald packets"];
     let report = json(folder.path(), &[&rays[..], &some].concat());
-    assert_eq!(names(&report["races"][0]["contenders"]), ["wald streams", "parry3d"]);
+    assert_eq!(names(&report["races"][0]["contenders"]), ["wald packets", "parry3d"]);
     let trees = &report["builds"][0]["trees"];
     assert_eq!(names(trees), ["wald", "parry3d"]);
     assert_eq!(list(&trees[0]["samples_ns"]).len(), 3);

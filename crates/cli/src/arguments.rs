@@ -191,7 +191,7 @@ pub(crate) struct Stress {
 }
 
 /// Study what every method is worth in a ray tracer: rays of four classes through a tree, singly and in
-/// streams, beside the speed of the kernels alone; builders, sizes of leaves, threads, lanes and calls.
+/// packets, beside the speed of the kernels alone; builders, sizes of leaves, threads, lanes and calls.
 ///
 /// Prints a table, and adds the page study.html and the record study.jsonl to a report.
 #[derive(Debug, Args)]

@@ -664,7 +664,7 @@ pub struct Traced {
     pub class: String,
     /// Whether any hit was asked for instead of the closest.
     pub any: bool,
-    /// `single`, `stream` or `plain`.
+    /// `single`, `packets` or `plain`.
     pub tracing: String,
     /// `batch`, one call of the tree for all rays of a turn, or `ray`, one for each.
     pub calls: String,

@@ -69,7 +69,7 @@ fn study(count: usize) -> Records {
         let tree = tree(Contest::Methods, name, "spatial", "cheapest", 1);
         records.lines.push(Record::Tree(tree.clone()));
         for class in CLASSES {
-            for (tracing, faster) in [("single", 1), ("stream", 2)] {
+            for (tracing, faster) in [("single", 1), ("packets", 2)] {
                 let baseline = NS / faster;
                 let mine = traced(&tree, class, (tracing, "batch"), baseline * 10 / (10 + place));
                 let baseline_ns = vec![baseline, baseline + 2000, baseline + 1000];
@@ -119,7 +119,7 @@ fn the_summary_adds_up() {
     assert_eq!(first.method, "moller-trumbore");
     assert_eq!((first.single_gain, first.kernel_gain), (Some(1.0), Some(1.0)));
     assert!((first.single["primary"] - 5.0).abs() < 1e-3, "a million rays in 0.2 s");
-    assert!((first.stream["primary"] - 10.0).abs() < 1e-3);
+    assert!((first.packets["primary"] - 10.0).abs() < 1e-3);
     let gain = |row: &trisect_report::StudyRow| row.single_gain.expect("it was traced");
     // By year: the third of the record is older than the second.
     assert!((gain(second) - 1.2).abs() < 1e-3 && (gain(third) - 1.1).abs() < 1e-3);

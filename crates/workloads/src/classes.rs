@@ -12,7 +12,7 @@ use crate::mesh::Mesh;
 /// Rays of one kind through a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayClass {
-    /// See [`primary`].
+    /// See [`primary`]; tile by tile, as renderers trace them.
     Primary,
     /// See [`random_through_box`].
     Random,
@@ -61,7 +61,7 @@ impl RayClass {
         closest: Closest<'_>,
     ) -> Vec<Ray<f32>> {
         let Workload { rays, .. } = match self {
-            Self::Primary => primary(mesh, pixels, pixels),
+            Self::Primary => return in_tiles(&primary(mesh, pixels, pixels).rays, pixels),
             Self::Random => random_through_box(seed, mesh, pixels * pixels),
             Self::Diffuse => diffuse_bounce(seed, mesh, pixels, pixels, closest),
             Self::Occlusion => {
@@ -70,6 +70,15 @@ impl RayClass {
         };
         rays
     }
+}
+
+/// The rays of a picture of square sides, which come row by row, in tiles of 8 × 8 pixels, and those in
+/// four of 4 × 4, so that eight, sixteen or sixty-four in a row are near each other.
+fn in_tiles(rays: &[Ray<f32>], pixels: usize) -> Vec<Ray<f32>> {
+    let mut places: Vec<[usize; 2]> =
+        (0..pixels).flat_map(|y| (0..pixels).map(move |x| [x, y])).collect();
+    places.sort_by_key(|&[x, y]| [y / 8, x / 8, y / 4, x / 4, y, x]);
+    places.into_iter().map(|[x, y]| rays[y * pixels + x]).collect()
 }
 
 impl fmt::Display for RayClass {

@@ -119,8 +119,6 @@ macro_rules! interface {
         /// The functions that are used.
         struct Interface {
             $($field: $signature,)*
-            /// Keeps the functions where they are.
-            _library: Library,
         }
 
         impl Interface {
@@ -134,12 +132,14 @@ macro_rules! interface {
                         path.display()
                     )
                 })?;
+                // Stays open, as its threads may outlive its devices.
+                let library: &'static Library = Box::leak(Box::new(library));
                 $(
                     // SAFETY: the signature is that of the header of Embree 4.
                     let $field = *unsafe { library.get::<$signature>($symbol) }
                         .context("the library is not Embree 4")?;
                 )*
-                Ok(Self { $($field,)* _library: library })
+                Ok(Self { $($field,)* })
             }
         }
     };

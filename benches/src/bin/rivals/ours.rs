@@ -16,7 +16,7 @@ pub(crate) const DEFAULT: [&str; 2] = ["moller-trumbore", "watertight"];
 /// How a tree is traced with, and what the name of who does so ends in.
 type Way = (Tracing, &'static str);
 
-const WAYS: [Way; 2] = [(Tracing::Single, ""), (Tracing::Packets, " streams")];
+const WAYS: [Way; 2] = [(Tracing::Single, ""), (Tracing::Packets, " packets")];
 
 /// The trees of a method: that which is the fastest to trace in every way of tracing, and those that are
 /// built by other builders.

@@ -102,7 +102,7 @@ impl<'a> Contender<'a> {
     pub(super) fn tracing_name(&self) -> &'static str {
         match self.tracing {
             Tracing::Single => "single",
-            Tracing::Packets => "stream",
+            Tracing::Packets => "packets",
             Tracing::Plain => "plain",
         }
     }

@@ -45,7 +45,7 @@ fn point(look: Look, filled: bool, points: Vec<(f64, f64)>) -> Series {
 fn gain(view: &View) -> Figure {
     let rows = of_view(view).rows;
     let marked = marked(&rows);
-    let panels: Vec<Panel> = [("Single rays", "single"), ("Streams", "stream")]
+    let panels: Vec<Panel> = [("Single rays", "single"), ("Packets", "packets")]
         .into_iter()
         .filter_map(|(title, tracing)| {
             let all: Vec<(&str, bool, (f64, f64))> = [false, true]
@@ -135,7 +135,7 @@ fn gain(view: &View) -> Figure {
 fn methods(view: &View) -> Figure {
     let rows = of_view(view).rows;
     let both = |row: &StudyRow, class: &str| {
-        [(row.single.get(class), true), (row.stream.get(class), false)]
+        [(row.single.get(class), true), (row.packets.get(class), false)]
             .into_iter()
             .filter_map(|(at, filled)| Some((*at?, filled)))
             .collect::<Vec<_>>()
@@ -170,7 +170,7 @@ fn methods(view: &View) -> Figure {
         name: "study-methods",
         title: "Speed of every method by class of rays",
         caption: "Million rays per second on one thread, geometric mean over scenes of the median \
-                  over rounds. Filled, with its number: single rays; hollow: streams. The faster \
+                  over rounds. Filled, with its number: single rays; hollow: packets. The faster \
                   of the two decides the order."
             .into(),
         drawing: if panels.is_empty() {

@@ -16,7 +16,7 @@ pub(super) fn findings(view: &View) -> Vec<Finding> {
         study.fastest(),
         study.survives(),
         study.fastest_kernel(),
-        study.streams(),
+        study.packets(),
         study.builders(),
         study.leaves(),
         study.lanes(),
@@ -52,23 +52,23 @@ impl Study<'_> {
 
     fn fastest(&self) -> Option<Finding> {
         let (row, gain) = self.best(|row| row.single_gain)?;
-        let (of_streams, stream_gain) = self.best(|row| row.stream_gain)?;
+        let (of_packets, packet_gain) = self.best(|row| row.packet_gain)?;
         Some(finding(
             "The fastest in the tracer",
             self.view.title(&row.method),
             format!(
                 "single rays are {} as fast as with Möller–Trumbore, geometric mean over scenes \
-                 and classes; in streams the fastest is {}, {} as fast",
+                 and classes; in packets the fastest is {}, {} as fast",
                 times(gain),
-                self.view.title(&of_streams.method),
-                times(stream_gain)
+                self.view.title(&of_packets.method),
+                times(packet_gain)
             ),
         ))
     }
 
     fn survives(&self) -> Option<Finding> {
         let (slope, correlation) = survival(self.view, "single", false)?;
-        let others = [("single", true), ("stream", false), ("stream", true)]
+        let others = [("single", true), ("packets", false), ("packets", true)]
             .map(|(tracing, any)| survival(self.view, tracing, any));
         let write = |both: Option<(f64, f64)>| {
             both.map_or_else(|| "–".to_owned(), |(slope, _)| format!("{:.2}", 2_f64.powf(slope)))
@@ -79,7 +79,7 @@ impl Study<'_> {
             format!(
                 "a kernel that is twice as fast makes single rays that much faster for their \
                  closest hits (correlation of the logarithms {correlation:.2}); {} for any hit, in \
-                 streams {} and {}",
+                 packets {} and {}",
                 write(others[0]),
                 write(others[1]),
                 write(others[2])
@@ -94,22 +94,22 @@ impl Study<'_> {
             self.view.title(&row.method),
             format!(
                 "{} as fast as Möller–Trumbore's on its own; in the tracer {} in single rays and {} \
-                 in streams",
+                 in packets",
                 times(gain),
                 row.single_gain.map_or_else(|| "–".to_owned(), times),
-                row.stream_gain.map_or_else(|| "–".to_owned(), times)
+                row.packet_gain.map_or_else(|| "–".to_owned(), times)
             ),
         ))
     }
 
-    /// The speed of streams over that of single rays, by class, over methods and scenes.
-    fn streams(&self) -> Option<Finding> {
+    /// The speed of packets over that of single rays, by class, over methods and scenes.
+    fn packets(&self) -> Option<Finding> {
         let of = |class: &str| {
             let ratios = self
                 .summary
                 .rows
                 .iter()
-                .filter_map(|row| Some(row.stream.get(class)? / row.single.get(class)?));
+                .filter_map(|row| Some(row.packets.get(class)? / row.single.get(class)?));
             geometric_mean(ratios)
         };
         let all: Vec<(&str, f64)> =
@@ -118,9 +118,9 @@ impl Study<'_> {
         let list: Vec<String> =
             all.iter().map(|(class, ratio)| format!("{class} {ratio:.2}")).collect();
         Some(finding(
-            "Streams",
+            "Packets",
             format!("{} on {} rays", times(best.1), best.0),
-            format!("speed in streams over that of single rays, over methods: {}", list.join(", ")),
+            format!("speed in packets over that of single rays, over methods: {}", list.join(", ")),
         ))
     }
 

@@ -29,9 +29,10 @@ fn times(x: Option<f64>) -> String {
 /// A row per method.
 pub(crate) fn methods(view: &View) -> Table {
     let classes = classes(view);
-    let mut head = vec!["method".to_owned(), "kernel".to_owned(), "single".into(), "stream".into()];
+    let mut head =
+        vec!["method".to_owned(), "kernel".to_owned(), "single".into(), "packets".into()];
     head.extend(classes.iter().map(|class| format!("{class}, single")));
-    head.extend(classes.iter().map(|class| format!("{class}, stream")));
+    head.extend(classes.iter().map(|class| format!("{class}, packets")));
     head.extend(["build ms", "bytes", "differ"].map(ToOwned::to_owned));
     let mut table = Table { head, rows: Vec::new() };
     for row in of_view(view).rows {
@@ -39,9 +40,9 @@ pub(crate) fn methods(view: &View) -> Table {
             row.method.clone(),
             times(row.kernel_gain),
             times(row.single_gain),
-            times(row.stream_gain),
+            times(row.packet_gain),
         ];
-        for speeds in [&row.single, &row.stream] {
+        for speeds in [&row.single, &row.packets] {
             cells.extend(classes.iter().map(|class| or_dash(speeds.get(*class).copied(), number)));
         }
         cells.push(or_dash(row.build_ms, number));
@@ -53,8 +54,8 @@ pub(crate) fn methods(view: &View) -> Table {
 }
 
 /// What the columns of [`methods`] mean.
-pub(crate) const METHODS: &str = "kernel, single, stream: speed over that of Möller–Trumbore, of \
-    the tests alone when asked for the fullest hit, of rays one by one and of rays in streams, \
+pub(crate) const METHODS: &str = "kernel, single, packets: speed over that of Möller–Trumbore, of \
+    the tests alone when asked for the fullest hit, of rays one by one and of rays in packets, \
     geometric mean over scenes and classes. Then million rays per second by class, on one thread, \
     geometric mean over scenes. build: of all scenes' trees; bytes: of the trees, per triangle. \
     differ: rays per million whose decision is not the same in plain arithmetic.";

@@ -36,12 +36,12 @@ pub struct StudyRow {
     pub kernel_gain: Option<f64>,
     /// Million single rays per second by class, geometric mean over scenes.
     pub single: BTreeMap<String, f64>,
-    /// The same of rays in streams.
-    pub stream: BTreeMap<String, f64>,
+    /// The same of rays in packets.
+    pub packets: BTreeMap<String, f64>,
     /// Speed of single rays over that of Möller–Trumbore's, geometric mean over scenes and classes.
     pub single_gain: Option<f64>,
-    /// The same of rays in streams.
-    pub stream_gain: Option<f64>,
+    /// The same of rays in packets.
+    pub packet_gain: Option<f64>,
     /// Milliseconds to build the trees of all scenes.
     pub build_ms: Option<f64>,
     /// Bytes of the trees of all scenes per triangle.
@@ -86,9 +86,9 @@ fn row(view: &View, method: &str) -> StudyRow {
         kernel_million_tests_per_second: kernel_ns(view, method, false).map(mtests),
         kernel_gain: kernel_gain(view, method, false),
         single: by_class("single"),
-        stream: by_class("stream"),
+        packets: by_class("packets"),
         single_gain: tracer_gain(view, method, "single", |_| true),
-        stream_gain: tracer_gain(view, method, "stream", |_| true),
+        packet_gain: tracer_gain(view, method, "packets", |_| true),
         build_ms: build.filter(|_| triangles > 0).map(|ns| ns / 1e6),
         bytes_per_triangle: (triangles > 0).then(|| bytes as f64 / triangles as f64),
         differ_per_million: differ as f64 * 1e6 / rays.max(1) as f64,
@@ -120,7 +120,7 @@ impl StudySummary {
         let mut out = wrap(&machine, width, "  ");
         out.push('\n');
         let mut table = Table::new(&[
-            "M rays/s", "primary", "random", "diffuse", "occl", "single", "stream", "kernel",
+            "M rays/s", "primary", "random", "diffuse", "occl", "single", "packets", "kernel",
         ]);
         let times = |x: Option<f64>| or_dash(x, |x| format!("{x:.2}"));
         for row in &self.rows {
@@ -132,14 +132,14 @@ impl StudySummary {
                 class("diffuse"),
                 class("occlusion"),
                 times(row.single_gain),
-                times(row.stream_gain),
+                times(row.packet_gain),
                 times(row.kernel_gain),
             ]);
         }
         out.push_str(&table.render(width));
         out.push_str(&wrap(
             "primary to occl: million single rays per second on one thread, geometric mean over \
-             scenes. single, stream: the speed of rays one by one and in streams over that of \
+             scenes. single, packets: the speed of rays one by one and in packets over that of \
              moller-trumbore's, geometric mean over scenes and classes. kernel: the same ratio of \
              the tests alone, asked for the fullest hit.",
             width,
