@@ -1,5 +1,7 @@
 //! Rays through the tree, each on its own way.
 
+use std::hint::select_unpredictable;
+
 use trisect_core::{Culling, Lanes, Method, Ray, Vec3};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
@@ -219,15 +221,26 @@ impl Stack<'_> {
             }
             return node.children[first];
         }
-        let mut nearest = item(node, distances, first);
+        // Two or three mostly, which is as hard to foretell as their order: so without branches.
+        let nearest = item(node, distances, first);
+        let second = item(node, distances, lowest(met));
+        met &= met - 1;
+        let third = select_unpredictable(met != 0, item(node, distances, lowest(met)), NOTHING);
+        met &= met.wrapping_sub(1);
+        let (nearest, second) = in_order(nearest, second);
+        let (second, third) = in_order(second, third);
+        let (mut nearest, second) = in_order(nearest, second);
         let base = self.count;
-        loop {
+        let mask = self.items.len() - 1;
+        self.items[self.count & mask] = third;
+        self.count += usize::from(third != NOTHING);
+        self.push(second);
+        while met != 0 {
             let other = item(node, distances, lowest(met));
             met &= met - 1;
             // By insertion: those that are nearer than the new one move up.
             let far = nearest.max(other);
             nearest = nearest.min(other);
-            let mask = self.items.len() - 1;
             let mut place = self.count;
             while place > base && self.items[(place - 1) & mask] < far {
                 self.items[place & mask] = self.items[(place - 1) & mask];
@@ -235,11 +248,19 @@ impl Stack<'_> {
             }
             self.items[place & mask] = far;
             self.count += 1;
-            if met == 0 {
-                return low(nearest);
-            }
         }
+        low(nearest)
     }
+}
+
+/// No child: farther than all.
+const NOTHING: Waiting = u64::MAX;
+
+/// The nearer first.
+#[inline(always)]
+fn in_order(a: Waiting, b: Waiting) -> (Waiting, Waiting) {
+    let is_less = a < b;
+    (select_unpredictable(is_less, a, b), select_unpredictable(is_less, b, a))
 }
 
 /// The place of the lowest bit.
