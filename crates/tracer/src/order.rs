@@ -135,6 +135,8 @@ pub(crate) fn of_origins(rays: &[Ray<f32>]) -> Order {
         let [u, v] = plane.point(ray.o);
         let column = whole((u - extent.min[0]) * to_column, columns);
         let row = whole((v - extent.min[1]) * to_row, rows);
+        // To and fro, as some packets reach into the next row of tiles.
+        let column = if row % 2 == 0 { column } else { usize::from(TILES) - 1 - column };
         let tile = row * usize::from(TILES) + column;
         counts[tile] += 1;
         tile_of.push(tile);
@@ -225,5 +227,74 @@ impl Extent {
 
     fn sides(&self) -> [f32; 2] {
         [self.max[0] - self.min[0], self.max[1] - self.min[1]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use trisect_workloads::{Mesh, RayClass, primary};
+
+    use super::*;
+
+    fn picture(columns: usize, rows: usize) -> Vec<Ray<f32>> {
+        primary(&Mesh::hall(), columns, rows).rays
+    }
+
+    /// The numbers, which are all of so many.
+    fn numbers(order: Order, count: usize) -> Vec<u32> {
+        let Order::Packets(numbers) = order else { panic!("they go together") };
+        let mut sorted = numbers.clone();
+        sorted.sort_unstable();
+        assert!(sorted.iter().copied().eq(0..u32::try_from(count).expect("few")));
+        numbers
+    }
+
+    #[test]
+    fn rows_of_a_picture_become_tiles() {
+        for (columns, rows) in [(40, 24), (64, 64), (17, 30), (9, 9)] {
+            let rays = picture(columns, rows);
+            assert_eq!(row_length(&rays), Some(columns), "{columns} × {rows}");
+            let numbers = numbers(of_rows(rays.len(), columns), rays.len());
+            let tile = (0..8).flat_map(|row| (0..8).map(move |column| row * columns + column));
+            assert!(tile.eq(numbers[..64].iter().map(|&number| number as usize)));
+        }
+    }
+
+    #[test]
+    fn what_is_in_tiles_stays_so() {
+        let rays = RayClass::Primary.rays(1, &Mesh::hall(), 64, &mut |_| None);
+        assert_eq!(row_length(&rays), None, "rows of four are no tiles of eight");
+        let Order::Packets(numbers) = of_origins(&rays) else { panic!("they go together") };
+        assert!(numbers.is_empty());
+    }
+
+    #[test]
+    fn rays_with_little_in_common_go_singly() {
+        let rays = trisect_workloads::random_through_box(1, &Mesh::hall(), 4096).rays;
+        assert!(matches!(of_origins(&rays), Order::Singly));
+    }
+
+    #[test]
+    fn rays_are_put_in_tiles_of_where_they_start() {
+        // All look down, from a square, in no order.
+        let mut state = 1_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f32::from(u16::try_from(state >> 16).expect("sixteen bits")) / 65_536.0
+        };
+        let rays: Vec<_> = (0..4096)
+            .map(|_| Ray::<f32>::new([random(), 1.0, random()], [0.0, -1.0, 0.0]))
+            .collect();
+        assert_eq!(row_length(&rays), None);
+        let numbers = numbers(of_origins(&rays), rays.len());
+        for packet in numbers.chunks(RAYS) {
+            let extent = Extent::of(packet.iter().map(|&number| {
+                let o = rays[number as usize].o;
+                [o.x, o.z]
+            }));
+            // An eighth, and what is counted to the next tile.
+            let [width, height] = extent.sides();
+            assert!(width * height < 0.1, "{width} × {height}");
+        }
     }
 }

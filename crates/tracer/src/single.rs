@@ -12,13 +12,16 @@ use crate::rows::{RAYS, Rows};
 /// What waits to be visited: the distance in the upper half, the child in the lower.
 type Waiting = u64;
 
+/// Rays that are on their way at the same time: while one waits for the outcome of its last test, the
+/// other goes on. More gained nothing where it was tried.
+const IN_FLIGHT: usize = 2;
+
 /// A ray under way.
 struct Flight<'a> {
-    /// Its place, where there is one.
+    /// Its place.
     place: usize,
-    is_busy: bool,
     /// The node that was visited last.
-    node: u32,
+    node: &'a Node,
     /// Its children that the ray meets, in bits, and where. They are looked at when it is the ray's
     /// turn again: by then they are known, and a branch on them that was predicted wrongly costs little.
     met: u64,
@@ -26,43 +29,36 @@ struct Flight<'a> {
     waiting: Stack<'a>,
 }
 
-impl Flight<'_> {
-    /// Puts the next of the rays that are left at the root, where there is one.
+impl<'a> Flight<'a> {
+    /// Puts the next of the rays that are left at the root; whether there is one.
     #[inline(always)]
-    fn launch<M, L, const ROBUST: bool>(
+    fn launch<L: Lanes<Elem = f32>, const ROBUST: bool>(
         &mut self,
-        bvh: &Bvh<M>,
         token: L::Token,
         rows: &Rows,
+        root: &'a Node,
         left: &mut u64,
-    ) where
-        M: Method,
-        L: Lanes<Elem = f32>,
-    {
-        self.is_busy = *left != 0;
-        if self.is_busy {
-            self.place = left.trailing_zeros() as usize;
-            *left &= *left - 1;
-            self.waiting.count = 0;
-            self.visit::<M, L, ROBUST>(bvh, token, rows, 0);
+    ) -> bool {
+        if *left == 0 {
+            return false;
         }
+        self.place = left.trailing_zeros() as usize;
+        *left &= *left - 1;
+        self.waiting.count = 0;
+        self.visit::<L, ROBUST>(token, rows, root);
+        true
     }
 
     #[inline(always)]
-    fn visit<M, L, const ROBUST: bool>(
+    fn visit<L: Lanes<Elem = f32>, const ROBUST: bool>(
         &mut self,
-        bvh: &Bvh<M>,
         token: L::Token,
         rows: &Rows,
-        number: u32,
-    ) where
-        M: Method,
-        L: Lanes<Elem = f32>,
-    {
-        let node = &bvh.nodes[number as usize];
+        node: &'a Node,
+    ) {
         let slabs = rows.slabs::<L>(token, self.place);
         let interval = rows.interval::<L>(token, self.place);
-        self.node = number;
+        self.node = node;
         self.met = 0;
         let mut lane = 0;
         while lane < WIDTH {
@@ -88,7 +84,7 @@ impl Flight<'_> {
     #[inline(always)]
     fn step<M, L, const ANY: bool, const ROBUST: bool>(
         &mut self,
-        bvh: &Bvh<M>,
+        bvh: &'a Bvh<M>,
         token: L::Token,
         culling: Culling,
         rows: &mut Rows,
@@ -98,8 +94,7 @@ impl Flight<'_> {
         L: Lanes<Elem = f32>,
     {
         let current = if self.met != 0 {
-            let node = &bvh.nodes[self.node as usize];
-            self.waiting.descend::<ANY>(node, self.met, &self.distances)
+            self.waiting.descend::<ANY>(self.node, self.met, &self.distances)
         } else {
             // What begins behind the best hit is not worth a visit any more.
             loop {
@@ -110,7 +105,7 @@ impl Flight<'_> {
             }
         };
         match child(current) {
-            Child::Node(_) => self.visit::<M, L, ROBUST>(bvh, token, rows, current),
+            Child::Node(at) => self.visit::<L, ROBUST>(token, rows, &bvh.nodes[at]),
             Child::Leaf(first, count) => {
                 self.met = 0;
                 let blocks = first..first + count;
@@ -141,31 +136,37 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
     L: Lanes<Elem = f32>,
     T: Found,
 {
+    let root = &bvh.nodes[0];
     let mut rows = Rows::EMPTY;
-    let mut items = vec![0; 2 * bvh.room()];
+    let mut items = vec![0; bvh.room() * IN_FLIGHT];
     let mut parts = items.chunks_exact_mut(bvh.room());
-    // While one waits for the outcome of its last test, the other goes on. More than two gained nothing
-    // where it was tried.
-    let mut flights: [Flight<'_>; 2] = std::array::from_fn(|_| Flight {
+    let mut flights: [Flight<'_>; IN_FLIGHT] = std::array::from_fn(|_| Flight {
         place: 0,
-        is_busy: false,
-        node: 0,
+        node: root,
         met: 0,
         distances: [0.0; WIDTH],
         waiting: Stack { items: parts.next().expect("each has its room"), count: 0 },
     });
     for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
         let mut left = rows.fill::<L, ROBUST>(token, rays.iter());
-        let [mut one, mut other] = flights.each_mut();
-        one.launch::<M, L, ROBUST>(bvh, token, &rows, &mut left);
-        other.launch::<M, L, ROBUST>(bvh, token, &rows, &mut left);
-        while one.is_busy {
-            if one.step::<M, L, ANY, ROBUST>(bvh, token, culling, &mut rows) {
-                one.launch::<M, L, ROBUST>(bvh, token, &rows, &mut left);
+        let mut count = 0;
+        while count < IN_FLIGHT && flights[count].launch::<L, ROBUST>(token, &rows, root, &mut left)
+        {
+            count += 1;
+        }
+        // Whose turn it is next: the other's, but when one is left.
+        let (mut at, mut other) = (0, count / IN_FLIGHT);
+        while count > 0 {
+            let flight = &mut flights[at % IN_FLIGHT];
+            if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, &mut rows)
+                && !flight.launch::<L, ROBUST>(token, &rows, root, &mut left)
+            {
+                count -= 1;
+                at ^= other;
+                other = 0;
+                continue;
             }
-            if other.is_busy {
-                std::mem::swap(&mut one, &mut other);
-            }
+            at ^= other;
         }
         for (found, best) in found.iter_mut().zip(&rows.best) {
             *found = T::of(best);
