@@ -305,7 +305,7 @@ pub(crate) trait Instances: Method {
             #[inline(always)]
             || {
                 let mut sum = Accumulator::<L>::new(token);
-                A::run::<Self, L, D>(
+                A::run::<Self, L, N::Asks<D>>(
                     token,
                     scene,
                     #[inline(always)]

@@ -101,6 +101,10 @@ pub trait Division: 'static {
     const RECIPROCAL: &'static str;
     /// Whether a test ends as soon as no lane can hit.
     const EARLY_OUT: bool;
+    /// Whether the values of a hit are asked for; where not, `found` gets numbers that mean nothing.
+    /// For methods that compute them apart from the decision: what the others compute and nobody
+    /// reads, the compiler leaves out.
+    const VALUES: bool = true;
 
     /// `1 / x` as the division has it.
     fn reciprocal<L: Lanes>(x: L) -> L;
@@ -201,6 +205,32 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
             return;
         }
         found(mask, front.hit(R::reciprocal(front.det)));
+    }
+}
+
+/// Division `D` for who asks whether there is a hit, and nothing of it.
+pub struct DecisionOnly<D>(core::marker::PhantomData<D>);
+
+impl<D: Division> Division for DecisionOnly<D> {
+    const NAME: &'static str = D::NAME;
+    const RECIPROCAL: &'static str = D::RECIPROCAL;
+    const EARLY_OUT: bool = D::EARLY_OUT;
+    const VALUES: bool = false;
+
+    #[inline(always)]
+    fn reciprocal<L: Lanes>(x: L) -> L {
+        D::reciprocal(x)
+    }
+
+    #[inline(always)]
+    fn test<M: Method, L: Lanes>(
+        ray: &M::PreparedRay<L>,
+        triangle: &Of<M::Prepared, L>,
+        interval: Interval<L>,
+        culling: Culling,
+        found: impl FnOnce(L::Mask, Hit<L>),
+    ) {
+        D::test::<M, L>(ray, triangle, interval, culling, found);
     }
 }
 

@@ -25,7 +25,8 @@ mod weights;
 pub use cost::{Cost, cost};
 pub use counting::{Counting, Ops, counted};
 pub use division::{
-    Culling, Deferred, Division, Early, Interval, Newton, Reciprocal, TrueDivision, seen,
+    Culling, DecisionOnly, Deferred, Division, Early, Interval, Newton, Reciprocal, TrueDivision,
+    seen,
 };
 pub use flushing::Flushing;
 pub use frame::{Anchor, Constants, Corner, Frame, Function, Start, Vertex, World};

@@ -1,5 +1,6 @@
 //! What a caller asks of a hit. A kernel computes what is asked and nothing else.
 
+use crate::division::{DecisionOnly, Division};
 use crate::geometry::{Hit, Ray};
 use crate::info::Output;
 use crate::lanes::Lanes;
@@ -10,6 +11,8 @@ use crate::record::Of;
 pub trait Needs: 'static {
     /// What is asked.
     const OUTPUT: Output;
+    /// Division `D` for who asks this: [`DecisionOnly`] where no value is asked for.
+    type Asks<D: Division>: Division;
     /// Everything asked, folded into one number, so that a measured kernel can neither leave out
     /// what is asked nor be made to compute what is not; nothing where nothing is asked.
     fn fold<M: Method, L: Lanes>(
@@ -21,12 +24,13 @@ pub trait Needs: 'static {
 }
 
 macro_rules! needs {
-    ($(#[$doc:meta])* $name:ident, $output:ident, |$ray:pat_param, $triangle:pat_param, $group:pat_param, $hit:pat_param| $fold:expr) => {
+    ($(#[$doc:meta])* $name:ident, $output:ident, $division:ty, |$ray:pat_param, $triangle:pat_param, $group:pat_param, $hit:pat_param| $fold:expr) => {
         $(#[$doc])*
         pub struct $name;
 
         impl Needs for $name {
             const OUTPUT: Output = Output::$output;
+            type Asks<D: Division> = $division;
             #[inline(always)]
             fn fold<M: Method, L: Lanes>(
                 $ray: &Ray<L>,
@@ -42,23 +46,23 @@ macro_rules! needs {
 
 needs!(
     /// Whether there is a hit; no division, no `t`.
-    Occlusion, Occlusion, |_, _, _, _| None
+    Occlusion, Occlusion, DecisionOnly<D>, |_, _, _, _| None
 );
 needs!(
     /// `t` alone.
-    Distance, T, |_, _, _, hit| Some(hit.t)
+    Distance, T, D, |_, _, _, hit| Some(hit.t)
 );
 needs!(
     /// `t`, `beta` and `gamma`.
-    Barycentrics, Barycentrics, |_, _, _, hit| Some(hit.t + (hit.beta + hit.gamma))
+    Barycentrics, Barycentrics, D, |_, _, _, hit| Some(hit.t + (hit.beta + hit.gamma))
 );
 needs!(
     /// The point `o + t·d`.
-    Point, Point, |ray, _, _, hit| Some(ray.at(hit.t).sum())
+    Point, Point, D, |ray, _, _, hit| Some(ray.at(hit.t).sum())
 );
 needs!(
     /// `t`, and the normal of the triangle.
-    Normal, Normal, |_, triangle, group, hit| {
+    Normal, Normal, D, |_, triangle, group, hit| {
         Some(hit.t + M::normal::<L>(triangle, group).sum())
     }
 );

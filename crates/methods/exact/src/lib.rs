@@ -1,0 +1,255 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+use core::marker::PhantomData;
+
+use trisect_core::{
+    BLOCK, Claims, Culling, Division, Forms, Given, Hit, Homogeneous, Input, Interval, Lanes,
+    Method, MethodInfo, Of, Output, Ray, Scalar, Token, Triangle, Vec3,
+};
+
+mod closest;
+mod double;
+mod filter;
+mod integer;
+mod ladder;
+mod solid;
+mod whole;
+
+pub use closest::{closest, order};
+pub use filter::{BoundedRay, SizedTriangle};
+use filter::{Triangles, Verdict, Volumes};
+use ladder::{Outcome, Precision};
+pub use solid::{Place, point_in_solid};
+
+/// How wide error bounds are, as multiples of what is proved: a test narrows them, to see errors.
+pub trait Width: Send + Sync + 'static {
+    /// Of the filter over lanes.
+    const FILTER: f64;
+    /// Of f64.
+    const DOUBLE: f64;
+}
+
+/// As wide as is proved.
+pub struct Proved;
+
+impl Width for Proved {
+    const FILTER: f64 = 1.0;
+    const DOUBLE: f64 = 1.0;
+}
+
+/// Decides every pair as exact arithmetic does; values are rounded once.
+pub struct Exact<W = Proved>(PhantomData<W>);
+
+impl<W: Width> Method for Exact<W> {
+    const INFO: MethodInfo = MethodInfo {
+        name: "exact",
+        title: "Exact",
+        year: 2026,
+        source: "This project, docs/derivations/exact.md; after J. R. Shewchuk: Adaptive Precision \
+                 Floating-Point Arithmetic and Fast Robust Geometric Predicates. Discrete & \
+                 Computational Geometry 18, 1997",
+        input: Input::Prepared,
+        outputs: Output::ALL,
+        forms: Forms::Deferred,
+        claims: Claims { watertight: true, culls: true, unit_direction: false },
+        error_factor: 1.0,
+    };
+    type Prepared = SizedTriangle<()>;
+    type PreparedRay<L: Lanes> = BoundedRay<L>;
+    type Alpha<L: Lanes> = Given<L>;
+
+    #[inline(always)]
+    fn prepare<X: Scalar>(triangle: &Triangle<X>, _group: usize) -> Of<Self::Prepared, X> {
+        SizedTriangle::new(triangle)
+    }
+
+    #[inline(always)]
+    fn prepare_ray<L: Lanes>(ray: &Ray<L>, _group: usize) -> BoundedRay<L> {
+        BoundedRay::new(ray.o, ray.d, W::FILTER)
+    }
+
+    #[inline(always)]
+    fn intersect<L: Lanes>(
+        ray: &BoundedRay<L>,
+        triangle: &SizedTriangle<L>,
+    ) -> Homogeneous<L, Given<L>> {
+        let volumes = Volumes::new(ray, triangle);
+        let Volumes { det, u, v, w, .. } = volumes;
+        Homogeneous { det, t: volumes.t(), alpha: Given(w), beta: u, gamma: v }
+    }
+
+    #[inline(always)]
+    fn normal<L: Lanes>(triangle: &SizedTriangle<L>, _group: usize) -> Vec3<L> {
+        let SizedTriangle { a, b, c, .. } = *triangle;
+        (b - a).cross(c - a)
+    }
+
+    /// The filter, and for the few lanes that it leaves open the ladder.
+    #[inline(always)]
+    fn test<L: Lanes, D: Division>(
+        ray: &BoundedRay<L>,
+        triangle: &SizedTriangle<L>,
+        interval: Interval<L>,
+        culling: Culling,
+        found: impl FnOnce(L::Mask, Hit<L>),
+    ) {
+        let volumes = Volumes::new(ray, triangle);
+        let bound = filter::bound(ray, triangle, &volumes);
+        let candidates = filter::candidates(&volumes, bound);
+        if !L::any(candidates) {
+            return;
+        }
+        let Verdict { hit: mut mask, open } = filter::verdict(
+            ray,
+            triangle,
+            &volumes,
+            (bound, candidates),
+            &interval,
+            W::FILTER,
+        );
+        let zero = bound.constant(L::Elem::from_f64(0.0));
+        // The sign of `det`, which all volumes of a hit have.
+        let mut side = volumes.u;
+        if open != 0 {
+            let settled = settle::<W, L>(ray, triangle, &interval, open);
+            side = L::select(mask, side, settled);
+            mask = mask | settled.lt(zero) | settled.gt(zero);
+        }
+        let mask = match culling {
+            Culling::None => mask,
+            Culling::Back => mask & side.gt(zero),
+            Culling::Front => mask & side.lt(zero),
+        };
+        if !L::any(mask) {
+            return;
+        }
+        if D::VALUES {
+            found(mask, values::<W, L>(ray, triangle, L::bits(mask)));
+        } else {
+            found(mask, Hit { t: zero, beta: zero, gamma: zero });
+        }
+    }
+}
+
+/// Vectors of pairs, number by number and lane by lane.
+struct Unpacked<X> {
+    rows: [[X; BLOCK]; 17],
+}
+
+impl<X: Scalar> Unpacked<X> {
+    #[inline(always)]
+    fn new<L: Lanes<Elem = X>>(
+        ray: &BoundedRay<L>,
+        triangle: &Triangles<L>,
+        [tmin, tmax]: [L; 2],
+    ) -> Self {
+        let mut rows = [[X::from_f64(0.0); BLOCK]; 17];
+        let [a, b, c] = filter::corners(triangle);
+        let mut row = 0;
+        for vector in [ray.o, ray.d, a, b, c] {
+            vector.x.store(&mut rows[row]);
+            vector.y.store(&mut rows[row + 1]);
+            vector.z.store(&mut rows[row + 2]);
+            row += 3;
+        }
+        tmin.store(&mut rows[row]);
+        tmax.store(&mut rows[row + 1]);
+        Self { rows }
+    }
+
+    /// One pair, in f64, which holds it exactly.
+    fn pair(&self, lane: usize) -> (Ray<f64>, Triangle<f64>) {
+        let number = |row: usize| self.rows[row][lane].to_f64();
+        let vector = |row: usize| Vec3::new(number(row), number(row + 1), number(row + 2));
+        let ray = Ray { o: vector(0), d: vector(3), tmin: number(15), tmax: number(16) };
+        (ray, Triangle { a: vector(6), b: vector(9), c: vector(12) })
+    }
+}
+
+/// Settles the lanes that are open: 1 for a hit of the front, −1 for one of the back, 0 for a miss,
+/// and for all other lanes. Rare, so kept out of the loop, and out of the registers of its caller;
+/// compiled for the caller's instruction set again, since it hands lanes over.
+#[inline(never)]
+fn settle<W: Width, L: Lanes>(
+    ray: &BoundedRay<L>,
+    triangle: &Triangles<L>,
+    interval: &Interval<L>,
+    open: u64,
+) -> L {
+    let token = ray.scale.token();
+    token.run(
+        #[inline(always)]
+        || {
+            let pairs = Unpacked::new(ray, triangle, [interval.tmin, interval.tmax]);
+            let mut sides = [L::Elem::from_f64(0.0); BLOCK];
+            settle_each(&pairs, open, double::UNIT * W::DOUBLE, &mut sides);
+            L::load(token, &sides)
+        },
+    )
+}
+
+/// Settles lane by lane.
+#[inline(never)]
+fn settle_each<X: Scalar>(pairs: &Unpacked<X>, open: u64, unit: f64, sides: &mut [X; BLOCK]) {
+    let precision = const { Precision::of_size(size_of::<X>()) };
+    for lane in lanes_of(open) {
+        let (ray, triangle) = pairs.pair(lane);
+        sides[lane] = X::from_f64(match ladder::outcome(precision, &ray, &triangle, unit) {
+            Outcome::Miss => 0.0,
+            Outcome::Front => 1.0,
+            Outcome::Back => -1.0,
+        });
+    }
+}
+
+/// The values of the lanes that hit, each rounded once; zeros elsewhere. Kept apart as [`settle`] is.
+#[inline(never)]
+fn values<W: Width, L: Lanes>(ray: &BoundedRay<L>, triangle: &Triangles<L>, hits: u64) -> Hit<L> {
+    let token = ray.scale.token();
+    token.run(
+        #[inline(always)]
+        || {
+            let pairs = Unpacked::new(ray, triangle, [ray.scale, ray.scale]);
+            let mut rows = [[L::Elem::from_f64(0.0); BLOCK]; 3];
+            values_of_each(&pairs, hits, double::UNIT * W::DOUBLE, &mut rows);
+            let [t, beta, gamma] = &rows;
+            Hit { t: L::load(token, t), beta: L::load(token, beta), gamma: L::load(token, gamma) }
+        },
+    )
+}
+
+/// Values lane by lane.
+#[inline(never)]
+fn values_of_each<X: Scalar>(
+    pairs: &Unpacked<X>,
+    hits: u64,
+    unit: f64,
+    rows: &mut [[X; BLOCK]; 3],
+) {
+    let precision = const { Precision::of_size(size_of::<X>()) };
+    for lane in lanes_of(hits) {
+        let (ray, triangle) = pairs.pair(lane);
+        let values = ladder::values(precision, &ray, &triangle, unit);
+        for (row, value) in rows.iter_mut().zip(values) {
+            row[lane] = X::from_f64(value);
+        }
+    }
+}
+
+/// The places of the bits that are set, of the lanes of a block.
+fn lanes_of(mut bits: u64) -> impl Iterator<Item = usize> {
+    core::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (lane < BLOCK).then_some(lane)
+    })
+}
+
+/// The same triangle, in f64, which holds it exactly.
+fn widened<X: Scalar>(triangle: &Triangle<X>) -> Triangle<f64> {
+    let [a, b, c] = triangle.corners().map(|corner| corner.map(X::to_f64));
+    Triangle { a, b, c }
+}
+
+trisect_core::methods!(Exact);

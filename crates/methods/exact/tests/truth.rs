@@ -1,0 +1,344 @@
+//! Every decision and every value against the oracle, on every width and instruction set, plain and
+//! fused, and in both arrangements.
+
+use trisect_core::{
+    BLOCK, Culling, Deferred, Float, Hit, Lanes, LanesVisitor, Method, PADDING, Packets, Precision,
+    PreparedTriangles, Ray, Scalar, Token, Triangle, TrueDivision, Vec3, one_ray, one_triangle,
+};
+use trisect_exact::{Exact, Width};
+use trisect_oracle::Oracle;
+use trisect_workloads::{Stream, Stress};
+
+/// Rays, and triangles, of a scene: every ray is made for one of the triangles.
+const SIDE: usize = 20;
+
+/// The hits of the rays, ray by ray.
+type Answers = Vec<Option<[u64; 3]>>;
+
+fn bits<E: Scalar>(hit: &Hit<E>) -> [u64; 3] {
+    // −0 and 0 are one answer.
+    [hit.t, hit.beta, hit.gamma].map(|x| (x.to_f64() + 0.0).to_bits())
+}
+
+/// A scene and its truth.
+struct Scene<E> {
+    rays: Vec<Ray<E>>,
+    triangles: Vec<Triangle<E>>,
+    truth: Answers,
+}
+
+impl<E: Precision> Scene<E> {
+    fn new(pairs: Vec<(Ray<E>, Triangle<E>)>) -> Self {
+        let (rays, triangles): (Vec<_>, Vec<_>) = pairs.into_iter().unzip();
+        let mut truth = Vec::new();
+        let mut oracle = Oracle::default();
+        for ray in &rays {
+            // The interval of the contract: no `t` beyond half the largest number.
+            let end = E::largest_t();
+            let ray = Ray {
+                tmin: if ray.tmin < -end { -end } else { ray.tmin },
+                tmax: if ray.tmax > end { end } else { ray.tmax },
+                ..*ray
+            };
+            for triangle in &triangles {
+                truth.push(oracle.intersect(&ray, triangle).hit.map(|hit| bits(&hit)));
+            }
+        }
+        Self { rays, triangles, truth }
+    }
+
+    /// Pairs of a stress family at a level.
+    fn stressed(family: Stress, level: f64, seed: u64) -> Self {
+        Self::new(family.pairs::<E>(seed, level, SIDE))
+    }
+}
+
+/// Runs a scene on all lane types and counts answers that are not the truth.
+struct Wrong<'a, M, E: Precision> {
+    scene: &'a Scene<E>,
+    tests: u64,
+    wrong: u64,
+    first: Option<String>,
+    method: core::marker::PhantomData<M>,
+}
+
+type Form = Deferred<TrueDivision, true>;
+
+impl<M: Method, E: Precision> Wrong<'_, M, E> {
+    fn judge(&mut self, found: &Answers, kernel: &str) {
+        self.tests += found.len() as u64;
+        for (place, (found, truth)) in found.iter().zip(&self.scene.truth).enumerate() {
+            if found != truth {
+                self.wrong += 1;
+                let (ray, triangle) = (place / SIDE, place % SIDE);
+                self.first.get_or_insert_with(|| {
+                    format!(
+                        "{kernel}: {:?} {:?} {:?} instead of {:?}",
+                        self.scene.rays[ray],
+                        self.scene.triangles[triangle],
+                        found.map(|x| x.map(f64::from_bits)),
+                        truth.map(|x| x.map(f64::from_bits)),
+                    )
+                });
+            }
+        }
+    }
+}
+
+fn note<L: Lanes>(
+    mask: L::Mask,
+    hit: Hit<L>,
+    mut found: impl FnMut(usize, [u64; 3]),
+) {
+    let mut rows = [[L::Elem::from_f64(0.0); BLOCK]; 3];
+    let [t, beta, gamma] = &mut rows;
+    hit.t.store(t);
+    hit.beta.store(beta);
+    hit.gamma.store(gamma);
+    for lane in (0..BLOCK).filter(|lane| L::bits(mask) >> lane & 1 == 1) {
+        let [t, beta, gamma] = [0, 1, 2].map(|row: usize| rows[row][lane]);
+        found(lane, bits(&Hit { t, beta, gamma }));
+    }
+}
+
+impl<M: Method, E: Precision> LanesVisitor for Wrong<'_, M, E> {
+    fn visit<L: Lanes<Elem: Precision>>(&mut self) {
+        let Some(token) = L::Token::detect() else { return };
+        let same = |x: E| L::Elem::from_f64(x.to_f64());
+        let rays: Vec<Ray<L::Elem>> = self.scene.rays.iter().map(|r| r.map(|&x| same(x))).collect();
+        let triangles: Vec<Triangle<L::Elem>> = self
+            .scene
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.corners().map(|corner| corner.map(same));
+                Triangle { a, b, c }
+            })
+            .collect();
+        let prepared = PreparedTriangles::<M, L::Elem>::new(&triangles).expect("it takes all meshes");
+        let packets = Packets::new::<M>(&rays);
+        let mut answers: Answers = vec![None; SIDE * SIDE];
+        token.run(
+            #[inline(always)]
+            || {
+                for (number, ray) in rays.iter().enumerate() {
+                    one_ray::<M, L, Form>(
+                        token,
+                        ray,
+                        &prepared,
+                        Culling::None,
+                        #[inline(always)]
+                        |tested, mask, hit| {
+                            note::<L>(mask, hit, |lane, hit| {
+                                let triangle = prepared.number(tested.triangle_place + lane);
+                                answers[number * SIDE + triangle as usize] = Some(hit);
+                            });
+                        },
+                    );
+                }
+            },
+        );
+        let name = format!("{}×{} {} {}", E::NAME, L::N, L::Token::INSTRUCTION_SET, L::FUSED);
+        self.judge(&answers, &format!("one ray, {name}"));
+        let mut answers: Answers = vec![None; SIDE * SIDE];
+        token.run(
+            #[inline(always)]
+            || {
+                one_triangle::<M, L, Form>(
+                    token,
+                    &packets,
+                    &prepared,
+                    Culling::None,
+                    #[inline(always)]
+                    |tested, mask, hit| {
+                        note::<L>(mask, hit, |lane, hit| {
+                            let ray = packets.number(tested.ray_place + lane);
+                            assert!(ray != PADDING, "a lane without a ray hits");
+                            let triangle = prepared.number(tested.triangle_place);
+                            answers[ray as usize * SIDE + triangle as usize] = Some(hit);
+                        });
+                    },
+                );
+            },
+        );
+        self.judge(&answers, &format!("one triangle, {name}"));
+    }
+}
+
+/// Tests, wrong answers, and the first of them.
+fn run<M: Method, E: Precision>(scene: &Scene<E>) -> (u64, u64, Option<String>) {
+    let method = core::marker::PhantomData;
+    let mut wrong = Wrong::<M, E> { scene, tests: 0, wrong: 0, first: None, method };
+    E::visit_all(&mut wrong);
+    (wrong.tests, wrong.wrong, wrong.first)
+}
+
+fn is_right<E: Precision>(scene: &Scene<E>, what: &str) -> u64 {
+    let (tests, wrong, first) = run::<Exact, E>(scene);
+    assert_eq!(wrong, 0, "{what}: {first:?}");
+    tests
+}
+
+/// Scenes per family and level; the long run has its own number.
+fn scenes() -> u64 {
+    std::env::var("TRISECT_EXACT_SCENES").ok().and_then(|text| text.parse().ok()).unwrap_or(2)
+}
+
+fn stress_families<E: Precision>() {
+    let mut tests = 0;
+    for family in Stress::ALL {
+        for level in family.levels::<E>() {
+            for seed in 0..scenes() {
+                let scene = Scene::stressed(family, level, seed);
+                tests += is_right::<E>(&scene, &format!("{} {level}", family.name()));
+            }
+        }
+    }
+    println!("{}: {tests} tests", E::NAME);
+}
+
+#[test]
+fn f32_is_right_on_all_stress_families() {
+    stress_families::<f32>();
+}
+
+#[test]
+fn f64_is_right_on_all_stress_families() {
+    stress_families::<f64>();
+}
+
+/// Numbers over the whole range of exponents, ends and zeros among them, with few bits or many.
+fn hostile<E: Float>(stream: &mut Stream) -> E {
+    let bits = stream.bits();
+    match bits & 7 {
+        0..=2 => E::from_upper_bits(stream.bits()),
+        3 => E::from_f64(0.0),
+        4 => E::from_bits64(stream.bits() & 0xff),
+        5 => {
+            let x = E::from_upper_bits(stream.bits());
+            E::from_bits64(x.bits64() & !((1 << (E::SIGNIFICANT_BITS - 1)) - 1))
+        }
+        _ => E::from_f64(stream.range_f64(-4.0, 4.0).round()),
+    }
+}
+
+fn hostile_scene<E: Precision>(stream: &mut Stream) -> Scene<E> {
+    let near = stream.bits() & 1 == 0;
+    let mut number = || {
+        if near { E::from_f64(stream.range_f64(-3.0, 3.0).round()) } else { hostile(stream) }
+    };
+    let mut vector = || Vec3::new(number(), number(), number());
+    let mut pairs = Vec::new();
+    for place in 0..SIDE {
+        let (o, d, a, b, c) = (vector(), vector(), vector(), vector(), vector());
+        let half = E::from_f64(0.5);
+        let d = match place % 4 {
+            0 => a - o,
+            1 => (a + b).scale(half) - o,
+            _ => d,
+        };
+        let ray = Ray::<E>::new(o, d);
+        let ray = if place % 3 == 0 { Ray { tmin: -ray.tmax, ..ray } } else { ray };
+        pairs.push((ray, Triangle { a, b, c }));
+    }
+    Scene::new(pairs)
+}
+
+fn any_bits<E: Precision>() {
+    let mut stream = Stream::new("exact/hostile", 1);
+    for _ in 0..50 * scenes() {
+        is_right::<E>(&hostile_scene(&mut stream), "hostile");
+    }
+}
+
+#[test]
+fn f32_is_right_on_any_bits() {
+    any_bits::<f32>();
+}
+
+#[test]
+fn f64_is_right_on_any_bits() {
+    any_bits::<f64>();
+}
+
+/// Small whole numbers times a power of two, near the ends of what the filter takes: volumes of zero,
+/// and the smallest that are not.
+fn at_the_ends_of_the_range<E: Precision>() {
+    let mut stream = Stream::new("exact/ends", 1);
+    for round in 0..10 * scenes() {
+        for exponent in [-44, -36, -34, -22, -20, -10, 0, 8, 10, 12, 20, 30, 40] {
+            let mut pairs = Vec::new();
+            for _ in 0..SIDE {
+                let scale = f64::from(exponent).exp2();
+                let speed = f64::from(i32::try_from(stream.bits() % 48).unwrap_or(0) - 24).exp2();
+                let mut vector = |scale: f64, most: f64| {
+                    [0, 1, 2]
+                        .map(|_| E::from_f64(stream.range_f64(-most, most).round() * scale))
+                        .into()
+                };
+                let most = if round % 2 == 0 { 3.0 } else { 4096.0 };
+                let (a, b, c, o): (Vec3<E>, Vec3<E>, Vec3<E>, Vec3<E>) = (
+                    vector(scale, most),
+                    vector(scale, most),
+                    vector(scale, most),
+                    vector(scale, most),
+                );
+                let d = (a + b).scale(E::from_f64(0.5)) - o;
+                let d = d.map(|x| E::from_f64(x.to_f64() * speed / scale));
+                pairs.push((Ray::<E>::new(o, d), Triangle { a, b, c }));
+            }
+            is_right::<E>(&Scene::new(pairs), &format!("scale 2^{exponent}"));
+        }
+    }
+}
+
+#[test]
+fn f32_is_right_at_the_ends_of_the_range() {
+    at_the_ends_of_the_range::<f32>();
+}
+
+#[test]
+fn f64_is_right_at_the_ends_of_the_range() {
+    at_the_ends_of_the_range::<f64>();
+}
+
+/// Bounds of a tenth.
+struct NarrowFilter;
+
+impl Width for NarrowFilter {
+    const FILTER: f64 = 0.1;
+    const DOUBLE: f64 = 1.0;
+}
+
+struct NarrowDouble;
+
+impl Width for NarrowDouble {
+    const FILTER: f64 = 1.0;
+    const DOUBLE: f64 = 0.0;
+}
+
+fn wrong_answers<W: Width>() -> u64
+where
+    Exact<W>: Method,
+{
+    let families = [Stress::NearEdge, Stress::NearVertex, Stress::IntervalEnd, Stress::AxisAligned];
+    let mut wrong = 0;
+    for family in families {
+        for level in family.levels::<f32>() {
+            for seed in 0..4 {
+                let scene = Scene::<f32>::stressed(family, level, seed);
+                wrong += run::<Exact<W>, f32>(&scene).1;
+            }
+        }
+    }
+    wrong
+}
+
+/// The tests above have teeth: with bounds of a tenth they would fail.
+#[test]
+fn a_tenth_of_the_bounds_is_too_little() {
+    let [filter, double] = [wrong_answers::<NarrowFilter>(), wrong_answers::<NarrowDouble>()];
+    println!("filter {filter}, double {double}");
+    assert!(filter > 0, "the filter's bound could be a tenth");
+    assert!(double > 0, "no bound of f64 is needed");
+}
