@@ -87,8 +87,7 @@ impl<L: Lanes> BoundedRay<L> {
     pub(crate) fn new(o: Vec3<L>, d: Vec3<L>, factor: f64) -> Self {
         let size = d.x.magnitude() + (d.y.magnitude() + d.z.magnitude());
         let filtered = size.ge(number(size, SLOWEST)) & size.le(number(size, FASTEST));
-        let scale =
-            L::select(filtered, size * unit(size, factor), number(size, NOT_FILTERED));
+        let scale = L::select(filtered, size * unit(size, factor), number(size, NOT_FILTERED));
         let scale = L::select(size.is_zero(), number(size, -1.0), scale);
         Self { o, d, scale: scale + (d - d).sum() }
     }
@@ -210,3 +209,126 @@ pub(crate) fn corners<X: Copy>(triangle: &SizedTriangle<X>) -> [Vec3<X>; 3] {
 
 /// The triangle of lanes, as [`Of`] names it.
 pub(crate) type Triangles<L> = Of<SizedTriangle<()>, L>;
+
+#[cfg(test)]
+mod tests {
+    use trisect_core::{Fused, Ray, Token};
+    use trisect_workloads::Stream;
+
+    use super::*;
+
+    /// Coordinates of `O`, `D`, `A`, `B`, `C`, and `τ`.
+    type Numbers = [f32; 16];
+
+    /// The numbers of a pair, as lanes of one kind.
+    fn pair<L: Lanes>(token: L::Token, numbers: &Numbers) -> (Ray<L>, SizedTriangle<L>) {
+        let number = |x: f32| L::Elem::from_f64(f64::from(x));
+        let vector = |place: usize| {
+            Vec3::new(
+                number(numbers[place]),
+                number(numbers[place + 1]),
+                number(numbers[place + 2]),
+            )
+        };
+        let tau = number(numbers[15]);
+        let ray = Ray { o: vector(0), d: vector(3), tmin: tau, tmax: tau };
+        let sized = SizedTriangle::new(&Triangle { a: vector(6), b: vector(9), c: vector(12) });
+        let SizedTriangle { a, b, c, h } = sized;
+        let splat = |v: Vec3<L::Elem>| v.map(|x| L::splat(token, x));
+        let triangle =
+            SizedTriangle { a: splat(a), b: splat(b), c: splat(c), h: L::splat(token, h) };
+        (ray.map(|&x| L::splat(token, x)), triangle)
+    }
+
+    /// `det`, `U`, `V`, `W` and `τ·det − T`.
+    fn computed<L: Lanes>(token: L::Token, numbers: &Numbers) -> [f64; 5] {
+        let (ray, triangle) = pair::<L>(token, numbers);
+        let volumes = Volumes::new(&BoundedRay::new(ray.o, ray.d, 1.0), &triangle);
+        let Volumes { det, u, v, w, .. } = volumes;
+        [det, u, v, w, ray.tmin.mul_sub(det, volumes.t())].map(|x| {
+            let mut row = [L::Elem::from_f64(0.0); 16];
+            x.store(&mut row);
+            row[0].to_f64()
+        })
+    }
+
+    /// The errors in units of their bounds, as the filter has them. The same formula in f64 stands for
+    /// the exact one: it is off by 2⁻²⁹ of that.
+    fn errors<L: Lanes<Elem = f32>>(token: L::Token, numbers: &Numbers) -> [f64; 5] {
+        let exact = computed::<f64>((), numbers);
+        let rounded = computed::<L>(token, numbers);
+        let (ray, triangle) = pair::<f32>((), numbers);
+        let ray = BoundedRay::new(ray.o, ray.d, 1.0);
+        let volumes = Volumes::new(&ray, &triangle);
+        let bound = bound(&ray, &triangle, &volumes);
+        let far = volumes.distance.max(number(bound, NEAREST)) * (3.0 * unit(bound, 1.0));
+        let of_t = triangle.h * triangle.h * numbers[15].abs().mul_add(ray.scale, far);
+        let bounds = [bound, bound, bound, bound, of_t];
+        [0, 1, 2, 3, 4].map(|i| (rounded[i] - exact[i]).abs() / f64::from(bounds[i]))
+    }
+
+    /// Looks for large errors: from a random pair by small steps that do not make its error smaller.
+    struct Climb {
+        largest: [f64; 5],
+    }
+
+    impl Climb {
+        fn from<L: Lanes<Elem = f32>>(&mut self, token: L::Token, stream: &mut Stream) {
+            for goal in 0..5 {
+                #[allow(clippy::cast_possible_truncation, reason = "any number will do")]
+                let mut numbers: Numbers =
+                    core::array::from_fn(|_| stream.range_f64(-1.0, 1.0) as f32);
+                if stream.bits() & 1 == 0 {
+                    // Far from the triangle.
+                    for x in &mut numbers[..3] {
+                        *x *= 64.0;
+                    }
+                }
+                let mut best = errors::<L>(token, &numbers)[goal];
+                for _ in 0..2000 {
+                    let mut other = numbers;
+                    let place = usize::try_from(stream.bits() % 16).unwrap_or(0);
+                    let step = stream.range_f64(-1.0, 1.0);
+                    let size =
+                        f64::from(2.0_f32.powi(-(i32::try_from(stream.bits() % 24).unwrap_or(0))));
+                    #[allow(clippy::cast_possible_truncation, reason = "any number will do")]
+                    let moved = (f64::from(other[place]) * (1.0 + step * size)) as f32;
+                    other[place] = moved;
+                    let all = errors::<L>(token, &other);
+                    for (largest, error) in self.largest.iter_mut().zip(all) {
+                        *largest = largest.max(error);
+                    }
+                    if all[goal] >= best {
+                        (numbers, best) = (other, all[goal]);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn errors_stay_within_their_bounds_and_exceed_a_tenth_of_them() {
+        let mut stream = Stream::new("exact/climb", 1);
+        let mut plain = Climb { largest: [0.0; 5] };
+        for _ in 0..600 {
+            plain.from::<f32>((), &mut stream);
+        }
+        println!("{:?}", plain.largest);
+        assert!(plain.largest.iter().all(|&x| x < 1.0), "{:?}", plain.largest);
+        assert!(plain.largest.iter().all(|&x| x > 0.1), "{:?}", plain.largest);
+    }
+
+    #[test]
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    fn fused_errors_stay_within_their_bounds() {
+        use fearless_simd::{f32x8, x86::Avx2};
+        use trisect_core::Vector;
+        let Some(token) = Avx2::detect() else { return };
+        let mut stream = Stream::new("exact/climb", 2);
+        let mut fused = Climb { largest: [0.0; 5] };
+        for _ in 0..10 {
+            fused.from::<Vector<Avx2, f32x8<Avx2>, Fused>>(token, &mut stream);
+        }
+        assert!(fused.largest.iter().all(|&x| x < 1.0 && x > 0.01), "{:?}", fused.largest);
+    }
+}

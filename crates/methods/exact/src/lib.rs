@@ -100,14 +100,8 @@ impl<W: Width> Method for Exact<W> {
         if !L::any(candidates) {
             return;
         }
-        let Verdict { hit: mut mask, open } = filter::verdict(
-            ray,
-            triangle,
-            &volumes,
-            (bound, candidates),
-            &interval,
-            W::FILTER,
-        );
+        let Verdict { hit: mut mask, open } =
+            filter::verdict(ray, triangle, &volumes, (bound, candidates), &interval, W::FILTER);
         let zero = bound.constant(L::Elem::from_f64(0.0));
         // The sign of `det`, which all volumes of a hit have.
         let mut side = volumes.u;

@@ -52,9 +52,8 @@ pub fn point_in_solid<X: Scalar>(point: Vec3<X>, surface: &[Triangle<X>]) -> Pla
 fn is_beside(point: Vec3<f64>, triangle: &Triangle<f64>) -> bool {
     let corners = triangle.corners();
     let [x, y, _] = [0, 1, 2].map(|axis| corners.map(|v| v.to_array()[axis]));
-    let is_off = |along: [f64; 3], at: f64| {
-        along.iter().all(|&c| c < at) || along.iter().all(|&c| c > at)
-    };
+    let is_off =
+        |along: [f64; 3], at: f64| along.iter().all(|&c| c < at) || along.iter().all(|&c| c > at);
     is_off(x, point.x) || is_off(y, point.y) || corners.iter().all(|v| v.z < point.z)
 }
 

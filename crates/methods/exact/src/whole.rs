@@ -58,10 +58,7 @@ fn cross<const LIMBS: usize>(
     )
 }
 
-fn dot<const LIMBS: usize>(
-    a: &Vec3<Integer<LIMBS>>,
-    b: &Vec3<Integer<LIMBS>>,
-) -> Integer<LIMBS> {
+fn dot<const LIMBS: usize>(a: &Vec3<Integer<LIMBS>>, b: &Vec3<Integer<LIMBS>>) -> Integer<LIMBS> {
     a.x.times(&b.x).plus(&a.y.times(&b.y)).plus(&a.z.times(&b.z))
 }
 

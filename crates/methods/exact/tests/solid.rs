@@ -1,7 +1,11 @@
 //! The first triangle along a ray, and points in solids.
 
-use trisect_core::{Hit, Lanes, LanesVisitor, Precision, PreparedTriangles, Ray, Token, Triangle, Vec3};
-use trisect_exact::{Exact, Place, closest, order, point_in_solid};
+use std::cmp::Ordering;
+
+use trisect_core::{
+    Hit, Lanes, LanesVisitor, Precision, PreparedTriangles, Ray, Token, Triangle, Vec3,
+};
+use trisect_exact::{Place, closest, order, point_in_solid};
 use trisect_oracle::{Oracle, compare_t};
 use trisect_workloads::Stream;
 
@@ -48,16 +52,19 @@ fn the_first_triangle_is_the_oracles() {
     for _ in 0..400 {
         let corner = |stream: &mut Stream| lattice(stream, 2.0);
         let mut triangles: Vec<Triangle<f32>> = (0..40)
-            .map(|_| {
-                Triangle { a: corner(&mut stream), b: corner(&mut stream), c: corner(&mut stream) }
+            .map(|_| Triangle {
+                a: corner(&mut stream),
+                b: corner(&mut stream),
+                c: corner(&mut stream),
             })
             .collect();
-        // Planes that differ by less than any t can show.
-        for place in 0..10 {
+        // Planes that differ by less than any t can show, in front and behind in the list.
+        for place in 0..40 {
             let mut bent = triangles[place];
             bent.b.x += 2.0_f32.powi(-22);
-            triangles.insert(place, bent);
+            triangles.push(bent);
         }
+        triangles.rotate_left(40 * (stream.bits() & 1) as usize);
         let o = lattice(&mut stream, 8.0);
         let d = lattice(&mut stream, 2.0) - o;
         let ray = Ray::<f32>::new(o, d.map(|x| x / 3.0));
@@ -72,12 +79,12 @@ fn the_first_triangle_is_the_oracles() {
                 other.is_some_and(|other| other.t == hit.t)
             });
             shared += usize::from(alike.count() > 1);
-            assert!(number < 50);
+            assert!(number < 80);
         }
         let mut visitor = Closest { ray, triangles: &triangles, expected };
         f32::visit_native(&mut visitor);
     }
-    assert!(hits > 200 && shared > 100, "{hits} hits, {shared} shared");
+    assert!(hits > 200 && shared > 50, "{hits} hits, {shared} shared");
 }
 
 /// The order of any two planes along a ray, over the whole range of numbers.
@@ -107,7 +114,9 @@ fn the_order_is_the_oracles() {
         }
         if let Some(expected) = compare_t(&ray, &first, &second) {
             assert_eq!(order(&ray, &first, &second), expected, "{ray:?} {first:?} {second:?}");
-            compared[(expected as i8 + 1) as usize] += 1;
+            let orders = [Ordering::Less, Ordering::Equal, Ordering::Greater];
+            let place = orders.iter().position(|&order| order == expected);
+            compared[place.expect("one of three")] += 1;
         }
     }
     assert!(compared.iter().all(|&count| count > 100), "{compared:?}");
