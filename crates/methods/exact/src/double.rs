@@ -46,9 +46,10 @@ fn permanent_cross(a: Vec3<f64>, b: Vec3<f64>) -> Vec3<f64> {
 }
 
 /// `det`, `U`, `V`, `T`
+#[inline(always)]
 fn volumes(
     [s, d, e1, e2]: [Vec3<f64>; 4],
-    cross: fn(Vec3<f64>, Vec3<f64>) -> Vec3<f64>,
+    cross: impl Fn(Vec3<f64>, Vec3<f64>) -> Vec3<f64>,
 ) -> [f64; 4] {
     let (p, q) = (cross(d, e2), cross(s, e1));
     [e1.dot(p), s.dot(p), d.dot(q), e2.dot(q)]
@@ -107,19 +108,46 @@ impl Estimate {
     pub(crate) fn singles(&self) -> Option<[f64; 3]> {
         let ([det, u, v, t], [p_det, p_u, p_v, p_t]) = (self.volumes, self.permanents);
         let det = self.bounded(det, p_det);
-        let size = det.value.abs();
-        if size <= 2.0 * det.error {
-            return None;
-        }
-        let quotient = |value: f64, permanent: f64| {
-            let value = self.bounded(value, permanent);
-            let quotient = value.value / det.value;
-            // |x/y − x'/y'| ≤ (|Δx| + |x'/y'|·|Δy|) / |y|, and |y| ≥ |y'| − |Δy|; eight more unit
-            // roundoffs for the quotients and sums of this line and of the interval's ends.
-            let error = (value.error + quotient.abs() * det.error) / (size - det.error);
-            let error = error * (1.0 + 1e-9) + quotient.abs() * (4.0 * f64::EPSILON);
-            Bounded { value: quotient, error }.single()
-        };
-        Some([quotient(t, p_t)?, quotient(u, p_u)?, quotient(v, p_v)?])
+        quotients(det, [self.bounded(t, p_t), self.bounded(u, p_u), self.bounded(v, p_v)])
     }
+}
+
+/// The numerators over `det`, each rounded once to f32, where that is certain.
+fn quotients(det: Bounded, numerators: [Bounded; 3]) -> Option<[f64; 3]> {
+    let size = det.value.abs();
+    if size <= 2.0 * det.error {
+        return None;
+    }
+    let reciprocal = 1.0 / det.value;
+    // At least 1/|y|, but for two roundings: the exact denominator is no smaller than |y'| − |Δy|.
+    let largest = 1.0 / (size - det.error);
+    let quotient = |x: Bounded| {
+        let value = x.value * reciprocal;
+        // |x/y − x'/y'| ≤ (|Δx| + |x'/y'|·|Δy|) / |y|; the rest is for the roundings of this line, of
+        // the quotient and of the ends of the interval.
+        let error = (x.error + value.abs() * det.error) * largest;
+        let error = error * (1.0 + 1e-9) + value.abs() * (4.0 * f64::EPSILON);
+        Bounded { value, error }.single()
+    };
+    let [t, beta, gamma] = numerators;
+    Some([quotient(t)?, quotient(beta)?, quotient(gamma)?])
+}
+
+/// The filter's bounds for numbers of f32, times this, are bounds for the same numbers in f64: the unit
+/// roundoff is that much smaller, and nothing underflows.
+const FROM_SINGLE: f64 = f64::from_bits((1023 - 29) << 52);
+
+/// `t`, `beta` and `gamma` of a pair of f32, rounded once, where f64 can tell by the filter's bounds of
+/// `det`, `U` and `V`, and of `T`: they cost nothing more. The pair is one that the filter takes.
+pub(crate) fn singles_within(
+    ray: &Ray<f64>,
+    triangle: &Triangle<f64>,
+    bound: f64,
+    bound_of_t: f64,
+) -> Option<[f64; 3]> {
+    let Triangle { a, b, c } = *triangle;
+    let [det, u, v, t] = volumes([ray.o - a, ray.d, b - a, c - a], Vec3::cross);
+    let [error, error_of_t] = [bound, bound_of_t].map(|x| x * FROM_SINGLE);
+    let bounded = |value| Bounded { value, error };
+    quotients(bounded(det), [Bounded { value: t, error: error_of_t }, bounded(u), bounded(v)])
 }

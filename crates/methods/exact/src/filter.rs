@@ -31,7 +31,7 @@ const NEAREST: f64 = power_of_two(-20);
 const SLOWEST: f64 = power_of_two(-20);
 const FASTEST: f64 = power_of_two(20);
 /// A bound as large as this bounds nothing: products may have overflowed.
-const NO_BOUND: f64 = power_of_two(30);
+pub(crate) const NO_BOUND: f64 = power_of_two(30);
 /// What stands for the factor of a direction that is not filtered: it makes every bound too large.
 const NOT_FILTERED: f64 = power_of_two(126);
 /// Ends of the interval beyond this are brought back to it, so that products with them do not
@@ -189,16 +189,28 @@ pub(crate) fn verdict<L: Lanes>(
     let (latest, earliest) = (number(det, LATEST), number(det, -LATEST));
     // The second operand of `max` and `min` is what is left of a NaN.
     let (tmin, tmax) = (earliest.max(interval.tmin), latest.min(interval.tmax));
-    let far = volumes.distance.max(number(det, NEAREST)) * (number(det, 3.0) * unit(det, factor));
-    let square = triangle.h * triangle.h;
-    let from_error = square * tmin.magnitude().mul_add(ray.scale, far);
-    let to_error = square * tmax.magnitude().mul_add(ray.scale, far);
+    let far = bound_of_t(triangle, volumes, factor);
+    let per_tau = (triangle.h * triangle.h) * ray.scale;
+    let from_error = tmin.magnitude().mul_add(per_tau, far);
+    let to_error = tmax.magnitude().mul_add(per_tau, far);
     let (before, after) = (tmin.mul_sub(det, t), tmax.mul_sub(det, t));
     let hit = candidates & inside & before.le(-from_error) & after.ge(to_error);
     let too_early = before.gt(from_error) & interval.tmin.magnitude().le(latest);
     let too_late = after.lt(-to_error) & interval.tmax.magnitude().le(latest);
     let missed = inside & (too_early | too_late);
     Verdict { hit, open: L::bits(candidates) & !L::bits(hit) & !L::bits(missed) }
+}
+
+/// The bound of the error of `T`, as [`bound`] is that of the other volumes.
+#[inline(always)]
+pub(crate) fn bound_of_t<L: Lanes>(
+    triangle: &SizedTriangle<L>,
+    volumes: &Volumes<L>,
+    factor: f64,
+) -> L {
+    let h = triangle.h;
+    let far = volumes.distance.max(number(h, NEAREST)) * (number(h, 3.0) * unit(h, factor));
+    (h * h) * far
 }
 
 /// The corners alone.
@@ -261,8 +273,8 @@ mod tests {
         let ray = BoundedRay::new(ray.o, ray.d, 1.0);
         let volumes = Volumes::new(&ray, &triangle);
         let bound = bound(&ray, &triangle, &volumes);
-        let far = volumes.distance.max(number(bound, NEAREST)) * (3.0 * unit(bound, 1.0));
-        let of_t = triangle.h * triangle.h * numbers[15].abs().mul_add(ray.scale, far);
+        let per_tau = (triangle.h * triangle.h) * ray.scale;
+        let of_t = numbers[15].abs().mul_add(per_tau, bound_of_t(&triangle, &volumes, 1.0));
         let bounds = [bound, bound, bound, bound, of_t];
         [0, 1, 2, 3, 4].map(|i| (rounded[i] - exact[i]).abs() / f64::from(bounds[i]))
     }

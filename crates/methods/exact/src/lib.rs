@@ -5,7 +5,7 @@ use core::marker::PhantomData;
 
 use trisect_core::{
     BLOCK, Claims, Culling, Division, Forms, Given, Hit, Homogeneous, Input, Interval, Lanes,
-    Method, MethodInfo, Of, Output, Ray, Scalar, Token, Triangle, Vec3,
+    Method, MethodInfo, Of, Output, Ray, Scalar, Triangle, Vec3,
 };
 
 mod closest;
@@ -106,7 +106,12 @@ impl<W: Width> Method for Exact<W> {
         // The sign of `det`, which all volumes of a hit have.
         let mut side = volumes.u;
         if open != 0 {
-            let settled = settle::<W, L>(ray, triangle, &interval, open);
+            // Lane by lane, out of line, and through copies in memory: a reference to the lanes
+            // themselves would keep them out of registers in the loop around.
+            let pairs = Unpacked::new(ray, triangle, [interval.tmin, interval.tmax]);
+            let mut sides = [L::Elem::from_f64(0.0); BLOCK];
+            settle(&pairs, open, double::UNIT * W::DOUBLE, &mut sides);
+            let settled = L::load(ray.scale.token(), &sides);
             side = L::select(mask, side, settled);
             mask = mask | settled.lt(zero) | settled.gt(zero);
         }
@@ -119,7 +124,15 @@ impl<W: Width> Method for Exact<W> {
             return;
         }
         if D::VALUES {
-            found(mask, values::<W, L>(ray, triangle, L::bits(mask)));
+            // In place of the interval, which is settled.
+            let bounds = [bound, filter::bound_of_t(triangle, &volumes, W::FILTER)];
+            let pairs = Unpacked::new(ray, triangle, bounds);
+            let mut rows = [[L::Elem::from_f64(0.0); BLOCK]; 3];
+            values(&pairs, L::bits(mask), double::UNIT * W::DOUBLE, &mut rows);
+            let token = ray.scale.token();
+            let [t, beta, gamma] = &rows;
+            let [t, beta, gamma] = [L::load(token, t), L::load(token, beta), L::load(token, gamma)];
+            found(mask, Hit { t, beta, gamma });
         } else {
             found(mask, Hit { t: zero, beta: zero, gamma: zero });
         }
@@ -131,6 +144,14 @@ struct Unpacked<X> {
     rows: [[X; BLOCK]; 17],
 }
 
+/// Writes the lanes of a vector to three rows.
+#[inline(always)]
+fn store<L: Lanes>(vector: Vec3<L>, rows: &mut [[L::Elem; BLOCK]; 17], row: usize) {
+    vector.x.store(&mut rows[row]);
+    vector.y.store(&mut rows[row + 1]);
+    vector.z.store(&mut rows[row + 2]);
+}
+
 impl<X: Scalar> Unpacked<X> {
     #[inline(always)]
     fn new<L: Lanes<Elem = X>>(
@@ -140,15 +161,14 @@ impl<X: Scalar> Unpacked<X> {
     ) -> Self {
         let mut rows = [[X::from_f64(0.0); BLOCK]; 17];
         let [a, b, c] = filter::corners(triangle);
-        let mut row = 0;
-        for vector in [ray.o, ray.d, a, b, c] {
-            vector.x.store(&mut rows[row]);
-            vector.y.store(&mut rows[row + 1]);
-            vector.z.store(&mut rows[row + 2]);
-            row += 3;
-        }
-        tmin.store(&mut rows[row]);
-        tmax.store(&mut rows[row + 1]);
+        // One by one: a loop over the vectors would keep them in memory, in the loop around as well.
+        store(ray.o, &mut rows, 0);
+        store(ray.d, &mut rows, 3);
+        store(a, &mut rows, 6);
+        store(b, &mut rows, 9);
+        store(c, &mut rows, 12);
+        tmin.store(&mut rows[15]);
+        tmax.store(&mut rows[16]);
         Self { rows }
     }
 
@@ -161,31 +181,10 @@ impl<X: Scalar> Unpacked<X> {
     }
 }
 
-/// Settles the lanes that are open: 1 for a hit of the front, −1 for one of the back, 0 for a miss,
-/// and for all other lanes. Rare, so kept out of the loop, and out of the registers of its caller;
-/// compiled for the caller's instruction set again, since it hands lanes over.
+/// Settles the lanes that are open: 1 for a hit of the front, −1 for one of the back, 0 for a miss;
+/// leaves all others.
 #[inline(never)]
-fn settle<W: Width, L: Lanes>(
-    ray: &BoundedRay<L>,
-    triangle: &Triangles<L>,
-    interval: &Interval<L>,
-    open: u64,
-) -> L {
-    let token = ray.scale.token();
-    token.run(
-        #[inline(always)]
-        || {
-            let pairs = Unpacked::new(ray, triangle, [interval.tmin, interval.tmax]);
-            let mut sides = [L::Elem::from_f64(0.0); BLOCK];
-            settle_each(&pairs, open, double::UNIT * W::DOUBLE, &mut sides);
-            L::load(token, &sides)
-        },
-    )
-}
-
-/// Settles lane by lane.
-#[inline(never)]
-fn settle_each<X: Scalar>(pairs: &Unpacked<X>, open: u64, unit: f64, sides: &mut [X; BLOCK]) {
+fn settle<X: Scalar>(pairs: &Unpacked<X>, open: u64, unit: f64, sides: &mut [X; BLOCK]) {
     let precision = const { Precision::of_size(size_of::<X>()) };
     for lane in lanes_of(open) {
         let (ray, triangle) = pairs.pair(lane);
@@ -197,37 +196,26 @@ fn settle_each<X: Scalar>(pairs: &Unpacked<X>, open: u64, unit: f64, sides: &mut
     }
 }
 
-/// The values of the lanes that hit, each rounded once; zeros elsewhere. Kept apart as [`settle`] is.
+/// The values of the lanes that hit, each rounded once. In place of the interval the pairs have the
+/// filter's bounds.
 #[inline(never)]
-fn values<W: Width, L: Lanes>(ray: &BoundedRay<L>, triangle: &Triangles<L>, hits: u64) -> Hit<L> {
-    let token = ray.scale.token();
-    token.run(
-        #[inline(always)]
-        || {
-            let pairs = Unpacked::new(ray, triangle, [ray.scale, ray.scale]);
-            let mut rows = [[L::Elem::from_f64(0.0); BLOCK]; 3];
-            values_of_each(&pairs, hits, double::UNIT * W::DOUBLE, &mut rows);
-            let [t, beta, gamma] = &rows;
-            Hit { t: L::load(token, t), beta: L::load(token, beta), gamma: L::load(token, gamma) }
-        },
-    )
-}
-
-/// Values lane by lane.
-#[inline(never)]
-fn values_of_each<X: Scalar>(
-    pairs: &Unpacked<X>,
-    hits: u64,
-    unit: f64,
-    rows: &mut [[X; BLOCK]; 3],
-) {
+fn values<X: Scalar>(pairs: &Unpacked<X>, hits: u64, unit: f64, rows: &mut [[X; BLOCK]; 3]) {
     let precision = const { Precision::of_size(size_of::<X>()) };
     for lane in lanes_of(hits) {
         let (ray, triangle) = pairs.pair(lane);
-        let values = ladder::values(precision, &ray, &triangle, unit);
-        for (row, value) in rows.iter_mut().zip(values) {
-            row[lane] = X::from_f64(value);
-        }
+        let (bound, bound_of_t) = (ray.tmin, ray.tmax);
+        let quick = if precision == Precision::Single && bound < filter::NO_BOUND {
+            double::singles_within(&ray, &triangle, bound, bound_of_t)
+        } else {
+            None
+        };
+        let values = match quick {
+            Some(values) => values,
+            None => ladder::values(precision, &ray, &triangle, unit),
+        };
+        rows[0][lane] = X::from_f64(values[0]);
+        rows[1][lane] = X::from_f64(values[1]);
+        rows[2][lane] = X::from_f64(values[2]);
     }
 }
 
