@@ -63,7 +63,30 @@ pub fn one_ray<M: Method, L: Lanes, D: Division>(
     ray: &Ray<L::Elem>,
     triangles: &PreparedTriangles<M, L::Elem>,
     culling: Culling,
-    found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
+    mut found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
+) {
+    one_ray_until::<M, L, D>(
+        token,
+        ray,
+        triangles,
+        culling,
+        #[inline(always)]
+        |tested, mask, hit| {
+            found(tested, mask, hit);
+            None
+        },
+    );
+}
+
+/// [`one_ray`] for who looks for the first hit: where `found` gives a number, the interval ends there
+/// from then on.
+#[inline(always)]
+pub fn one_ray_until<M: Method, L: Lanes, D: Division>(
+    token: L::Token,
+    ray: &Ray<L::Elem>,
+    triangles: &PreparedTriangles<M, L::Elem>,
+    culling: Culling,
+    found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>) -> Option<L::Elem>,
 ) {
     let axis = turning_axis::<M, L::Elem>(ray);
     for_axis!(M, axis, |AXIS| one_ray_along::<M, L, D, AXIS>(
@@ -77,14 +100,14 @@ fn one_ray_along<M: Method, L: Lanes, D: Division, const AXIS: usize>(
     ray: &Ray<L::Elem>,
     triangles: &PreparedTriangles<M, L::Elem>,
     culling: Culling,
-    mut found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
+    mut found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>) -> Option<L::Elem>,
 ) {
     let ray = ray.map(
         #[inline(always)]
         |&x| L::splat(token, x),
     );
     let ray = ray.with_axis_last(AXIS);
-    let interval = Interval::of(&ray);
+    let mut interval = Interval::of(&ray);
     for (group, places) in triangles.groups().iter().enumerate() {
         let prepared = M::prepare_ray(&ray, group);
         let blocks = triangles.blocks(places);
@@ -103,6 +126,7 @@ fn one_ray_along<M: Method, L: Lanes, D: Division, const AXIS: usize>(
             }
             let triangle_place = place;
             place += L::N;
+            let mut end = None;
             M::test::<L, D>(
                 &prepared,
                 &triangle,
@@ -112,9 +136,12 @@ fn one_ray_along<M: Method, L: Lanes, D: Division, const AXIS: usize>(
                 |mask, hit| {
                     let (ray, triangle) = (&ray, &triangle);
                     let tested = Tested { ray_place: 0, triangle_place, ray, triangle, group };
-                    found(tested, mask, hit);
+                    end = found(tested, mask, hit);
                 },
             );
+            if let Some(end) = end {
+                interval.tmax = L::splat(token, end);
+            }
         }
     }
 }

@@ -34,7 +34,8 @@ pub use geometry::{Hit, Ray, Triangle, Vec3};
 pub use info::{Claims, Forms, Input, MethodInfo, Output};
 pub use input::Corners;
 pub use kernel::{
-    CommonDirection, CommonOrigin, Shared, Tested, one_ray, one_triangle, shared_packets,
+    CommonDirection, CommonOrigin, Shared, Tested, one_ray, one_ray_until, one_triangle,
+    shared_packets,
 };
 pub use lanes::{Arithmetic, Float, Fused, Lanes, Plain, Scalar, Vector};
 pub use method::{Homogeneous, Method, MethodVisitor, Quotients, RayParts};

@@ -4,7 +4,7 @@ use core::cmp::Ordering;
 
 use trisect_core::{
     BLOCK, Culling, Deferred, Hit, Lanes, PreparedTriangles, Ray, Scalar, Token, Triangle,
-    TrueDivision, one_ray,
+    TrueDivision, one_ray_until,
 };
 
 use crate::ladder::{self, Precision};
@@ -33,7 +33,7 @@ pub fn closest<L: Lanes>(
     token.run(
         #[inline(always)]
         || {
-            one_ray::<Exact, L, Deferred<TrueDivision, true>>(
+            one_ray_until::<Exact, L, Deferred<TrueDivision, true>>(
                 token,
                 ray,
                 prepared,
@@ -42,6 +42,7 @@ pub fn closest<L: Lanes>(
                 |tested, mask, hit| {
                     let numbers = prepared.numbers(tested.triangle_place);
                     take::<L>(ray, triangles, numbers, L::bits(mask), hit, &mut best);
+                    best.and_then(|(_, hit)| end_after(hit.t, ray.tmax))
                 },
             );
         },
@@ -77,4 +78,12 @@ fn take<L: Lanes>(
             *best = Some((number, hit));
         }
     }
+}
+
+/// Where the interval may end after a hit at `t`: a little later, since one whose rounded `t` is the same
+/// may be before it. Nowhere else than now where that is beyond the interval.
+fn end_after<X: Scalar>(t: X, tmax: X) -> Option<X> {
+    let ulp = X::unit_roundoff() + X::unit_roundoff();
+    let end = (t + t.abs() * ulp) + X::smallest_det();
+    (end < tmax && end < X::largest_t()).then_some(end)
 }

@@ -14,6 +14,7 @@ mod filter;
 mod integer;
 mod ladder;
 mod solid;
+mod stage;
 mod whole;
 
 pub use closest::{closest, order};
@@ -21,6 +22,7 @@ pub use filter::{BoundedRay, SizedTriangle};
 use filter::{Triangles, Verdict, Volumes};
 use ladder::{Outcome, Precision};
 pub use solid::{Place, point_in_solid};
+pub use stage::Stage;
 
 /// How wide error bounds are, as multiples of what is proved: a test narrows them, to see errors.
 pub trait Width: Send + Sync + 'static {

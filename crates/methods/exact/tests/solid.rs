@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use trisect_core::{
     Hit, Lanes, LanesVisitor, Precision, PreparedTriangles, Ray, Token, Triangle, Vec3,
 };
-use trisect_exact::{Place, closest, order, point_in_solid};
+use trisect_exact::{Place, Stage, closest, order, point_in_solid};
 use trisect_oracle::{Oracle, compare_t};
 use trisect_workloads::Stream;
 
@@ -212,4 +212,18 @@ fn the_next_number_is_on_the_other_side() {
     let inside = Vec3::new(f64::NAN, 0.0, 0.0);
     assert_eq!(point_in_solid(inside, &surface), Place::Outside);
     assert_eq!(point_in_solid(far, &[]), Place::Outside);
+}
+
+/// Each stage has its pairs: beside the triangle, inside it, nearer to an edge than f32 can tell, and on
+/// an edge.
+#[test]
+fn each_stage_has_its_pairs() {
+    let zero = Vec3::new(0.0, 0.0, 0.0);
+    let corner = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+    let triangle = Triangle { a: zero, b: corner(3.0, 1.0), c: corner(1.0, 3.0) };
+    let at = |x: f32, y: f32| Ray::<f32>::new(Vec3::new(x, y, -7.0), Vec3::new(0.0, 0.0, 1.0));
+    assert_eq!(Stage::of(&at(-1.0, 3.0), &triangle), Stage::Miss);
+    assert_eq!(Stage::of(&at(1.0, 1.0), &triangle), Stage::Filter);
+    assert_eq!(Stage::of(&at(1.5, 0.5_f32.next_up()), &triangle), Stage::Double);
+    assert_eq!(Stage::of(&at(1.5, 0.5), &triangle), Stage::Whole);
 }
