@@ -9,54 +9,132 @@ use std::path::Path;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use gltf::accessor::{DataType, Dimensions};
-use gltf::buffer::Source;
+use gltf::buffer::{Source, View};
 use gltf::json::Root;
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Error, Gltf, Node, Primitive, Semantic};
 
 use super::{Face, MeshProblem, Raw, Vertex};
 
-pub(super) fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Raw, MeshProblem> {
-    check_length(bytes)?;
-    let Gltf { document, mut blob } =
-        Gltf::from_slice_without_validation(bytes).map_err(|error| problem(&error))?;
-    let root = document.into_json();
-    check_accessors(&root)?;
-    let document = Document::from_json(root).map_err(|error| problem(&error))?;
-    let mut buffers = Vec::new();
-    for buffer in document.buffers() {
-        let name = format!("buffer {}", buffer.index());
-        let data = read_buffer(&buffer.source(), folder, &mut blob, &name)?;
-        if data.len() < buffer.length() {
-            return Err(MeshProblem::Truncated {
-                what: format!("{name} needs {} bytes, it has {}", buffer.length(), data.len()),
-            });
+/// A document with the bytes that it refers to.
+pub struct GltfFile {
+    /// The document, validated.
+    pub document: Document,
+    buffers: Vec<Vec<u8>>,
+}
+
+/// A node, and the matrix from its space to the world's.
+pub type PlacedNode<'a> = (Node<'a>, Matrix);
+
+impl GltfFile {
+    /// Reads a document; buffers in other files are looked for in `folder`.
+    ///
+    /// # Errors
+    /// When the document breaks the format's rules, or a buffer is missing or too short.
+    pub fn open(bytes: &[u8], folder: Option<&Path>) -> Result<Self, MeshProblem> {
+        check_length(bytes)?;
+        let Gltf { document, mut blob } =
+            Gltf::from_slice_without_validation(bytes).map_err(|error| problem(&error))?;
+        let root = document.into_json();
+        check_accessors(&root)?;
+        let document = Document::from_json(root).map_err(|error| problem(&error))?;
+        let mut buffers = Vec::new();
+        for buffer in document.buffers() {
+            let name = format!("buffer {}", buffer.index());
+            let data = read_buffer(&buffer.source(), folder, &mut blob, &name)?;
+            if data.len() < buffer.length() {
+                return Err(MeshProblem::Truncated {
+                    what: format!("{name} needs {} bytes, it has {}", buffer.length(), data.len()),
+                });
+            }
+            buffers.push(data);
         }
-        buffers.push(data);
+        Ok(Self { document, buffers })
     }
 
-    let mut raw = Raw::default();
-    // A node has one place in a sound file; a second visit would be a cycle. The stack is ours
-    // because a file may nest deeper than the program's.
-    let mut seen = HashSet::new();
-    let mut open: Vec<(Node<'_>, Matrix)> = Vec::new();
-    for scene in document.scenes() {
-        open.extend(scene.nodes().map(|node| (node, IDENTITY)));
-        open.reverse();
-        while let Some((node, parent)) = open.pop() {
-            if !seen.insert(node.index()) {
-                continue;
-            }
-            let world = multiply(&parent, &node.transform().matrix().map(|c| c.map(f64::from)));
-            if let Some(mesh) = node.mesh() {
-                for primitive in mesh.primitives() {
-                    let place = format!("mesh {} primitive {}", mesh.index(), primitive.index());
-                    read_primitive(&mut raw, &primitive, &buffers, &world, &place)?;
+    /// The nodes of all scenes, each once, parents before their children.
+    pub fn nodes(&self) -> Vec<PlacedNode<'_>> {
+        // A node has one place in a sound file; a second visit would be a cycle. The stack is ours
+        // because a file may nest deeper than the program's.
+        let mut seen = HashSet::new();
+        let mut open: Vec<PlacedNode<'_>> = Vec::new();
+        let mut placed = Vec::new();
+        for scene in self.document.scenes() {
+            open.extend(scene.nodes().map(|node| (node, IDENTITY)));
+            open.reverse();
+            while let Some((node, parent)) = open.pop() {
+                if !seen.insert(node.index()) {
+                    continue;
                 }
+                let world = multiply(&parent, &node.transform().matrix().map(|c| c.map(f64::from)));
+                let children = open.len();
+                open.extend(node.children().map(|child| (child, world)));
+                open[children..].reverse();
+                placed.push((node, world));
             }
-            let children = open.len();
-            open.extend(node.children().map(|child| (child, world)));
-            open[children..].reverse();
+        }
+        placed
+    }
+
+    /// The items of an accessor of so many floats each; `place` stands for the element in messages.
+    ///
+    /// # Errors
+    /// When the accessor is of another kind, or reaches beyond its data.
+    pub fn floats<const N: usize>(
+        &self,
+        accessor: &Accessor<'_>,
+        place: &str,
+    ) -> Result<Vec<[f32; N]>, MeshProblem> {
+        if (accessor.dimensions().multiplicity(), accessor.data_type()) != (N, DataType::F32) {
+            return Err(MeshProblem::Unsupported {
+                what: format!("{place}: accessor {} of other than {N} floats is", accessor.index()),
+                mend: "export it without quantisation",
+            });
+        }
+        let float = |item: &[u8], i: usize| {
+            f32::from_le_bytes([item[4 * i], item[4 * i + 1], item[4 * i + 2], item[4 * i + 3]])
+        };
+        let items = items(accessor, &self.buffers, 4 * N, place)?;
+        Ok(items.map(|item| std::array::from_fn(|i| float(item, i))).collect())
+    }
+
+    /// The corners of a primitive's triangles, as numbers of its vertices: in order where the file has no
+    /// indices.
+    ///
+    /// # Errors
+    /// When it is not of triangles, an index is out of range, or the accessor reaches beyond its data.
+    pub fn corners(
+        &self,
+        primitive: &Primitive<'_>,
+        vertices: usize,
+        place: &str,
+    ) -> Result<Vec<[usize; 3]>, MeshProblem> {
+        let indices = indices(primitive, &self.buffers, vertices, place)?;
+        if let Some(index) = indices.iter().find(|index| **index >= vertices) {
+            return Err(MeshProblem::Malformed {
+                place: place.to_owned(),
+                what: format!("index {index} is out of range, it has {vertices} vertices"),
+            });
+        }
+        Ok(indices.chunks_exact(3).map(|three| [three[0], three[1], three[2]]).collect())
+    }
+
+    /// The bytes of a buffer view; none where it reaches beyond its buffer.
+    pub fn view(&self, view: &View<'_>) -> Option<&[u8]> {
+        let data = self.buffers.get(view.buffer().index())?;
+        data.get(view.offset()..view.offset().checked_add(view.length())?)
+    }
+}
+
+pub(super) fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Raw, MeshProblem> {
+    let file = GltfFile::open(bytes, folder)?;
+    let mut raw = Raw::default();
+    for (node, world) in file.nodes() {
+        if let Some(mesh) = node.mesh() {
+            for primitive in mesh.primitives() {
+                let place = format!("mesh {} primitive {}", mesh.index(), primitive.index());
+                read_primitive(&mut raw, &primitive, &file, &world, &place)?;
+            }
         }
     }
     Ok(raw)
@@ -150,34 +228,52 @@ fn problem(error: &Error) -> MeshProblem {
 fn read_primitive(
     raw: &mut Raw,
     primitive: &Primitive<'_>,
-    buffers: &[Vec<u8>],
+    file: &GltfFile,
     world: &Matrix,
     place: &str,
 ) -> Result<(), MeshProblem> {
+    let positions = primitive
+        .get(&Semantic::Positions)
+        .ok_or_else(|| MeshProblem::Missing { what: format!("POSITION in {place}") })?;
+    let first = raw.vertices.len();
+    let positions = file.floats::<3>(&positions, place)?;
+    let placed = positions.iter().map(|at| transform(world, at.map(f64::from)));
+    raw.vertices.extend(placed.map(|at| Vertex { at, line: None }));
+    let count = raw.vertices.len() - first;
+    let indices = indices(primitive, &file.buffers, count, place)?;
+    // A mirror turns front to back; the corners' order turns it again.
+    let order = if determinant(world) < 0.0 { [0, 2, 1] } else { [0, 1, 2] };
+    for corners in indices.chunks_exact(3) {
+        let pairs = order.map(|corner| {
+            let index = corners[corner];
+            // Indices count within the primitive: beyond its own vertices lie another's.
+            let resolved = if index < count { first + index } else { usize::MAX };
+            (i64::try_from(resolved).unwrap_or(-1), i64::try_from(index).unwrap_or(i64::MAX))
+        });
+        if let Some(&(_, index)) = pairs.iter().find(|(resolved, _)| *resolved < 0) {
+            return Err(MeshProblem::Malformed {
+                place: format!("face {}", raw.faces.len()),
+                what: format!("index {index} is out of range, {place} has {count} vertices"),
+            });
+        }
+        raw.faces.push(Face::from_pairs(pairs, None));
+    }
+    Ok(())
+}
+
+/// The corners of a primitive's triangles, one after another, unchecked.
+fn indices(
+    primitive: &Primitive<'_>,
+    buffers: &[Vec<u8>],
+    count: usize,
+    place: &str,
+) -> Result<Vec<usize>, MeshProblem> {
     if primitive.mode() != Mode::Triangles {
         return Err(MeshProblem::Unsupported {
             what: format!("{place}: mode {:?} is", primitive.mode()),
             mend: "export it as triangles",
         });
     }
-    let positions = primitive
-        .get(&Semantic::Positions)
-        .ok_or_else(|| MeshProblem::Missing { what: format!("POSITION in {place}") })?;
-    if (positions.dimensions(), positions.data_type()) != (Dimensions::Vec3, DataType::F32) {
-        return Err(MeshProblem::Unsupported {
-            what: format!("{place}: positions other than three floats are"),
-            mend: "export it without quantisation",
-        });
-    }
-    let first = raw.vertices.len();
-    for item in items(&positions, buffers, 12, place)? {
-        let number = |i: usize| {
-            f64::from(f32::from_le_bytes([item[i], item[i + 1], item[i + 2], item[i + 3]]))
-        };
-        raw.vertices
-            .push(Vertex { at: transform(world, [number(0), number(4), number(8)]), line: None });
-    }
-    let count = raw.vertices.len() - first;
     let indices: Vec<usize> = match primitive.indices() {
         None => (0..count).collect(),
         Some(accessor) => {
@@ -203,24 +299,7 @@ fn read_primitive(
             what: format!("{} corners are not a multiple of three", indices.len()),
         });
     }
-    // A mirror turns front to back; the corners' order turns it again.
-    let order = if determinant(world) < 0.0 { [0, 2, 1] } else { [0, 1, 2] };
-    for corners in indices.chunks_exact(3) {
-        let pairs = order.map(|corner| {
-            let index = corners[corner];
-            // Indices count within the primitive: beyond its own vertices lie another's.
-            let resolved = if index < count { first + index } else { usize::MAX };
-            (i64::try_from(resolved).unwrap_or(-1), i64::try_from(index).unwrap_or(i64::MAX))
-        });
-        if let Some(&(_, index)) = pairs.iter().find(|(resolved, _)| *resolved < 0) {
-            return Err(MeshProblem::Malformed {
-                place: format!("face {}", raw.faces.len()),
-                what: format!("index {index} is out of range, {place} has {count} vertices"),
-            });
-        }
-        raw.faces.push(Face::from_pairs(pairs, None));
-    }
-    Ok(())
+    Ok(indices)
 }
 
 /// The items of an accessor, each of `size` bytes.
@@ -259,7 +338,7 @@ fn items<'a>(
 }
 
 /// Columns of a 4×4 matrix; f64, so that a vertex is rounded once.
-type Matrix = [[f64; 4]; 4];
+pub type Matrix = [[f64; 4]; 4];
 
 const IDENTITY: Matrix =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];

@@ -15,6 +15,8 @@ use std::sync::Arc;
 
 use trisect_core::{Triangle, Vec3};
 
+pub use self::gltf::{GltfFile, Matrix, PlacedNode};
+
 /// The smallest box that holds a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {

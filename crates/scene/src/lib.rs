@@ -1,0 +1,21 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod camera;
+mod chair;
+mod error;
+mod gltf_scene;
+mod load;
+mod mesh;
+mod model;
+mod mtl;
+mod obj;
+mod texture;
+mod toml_file;
+
+pub use camera::{Camera, Lens};
+pub use error::{SceneError, SceneProblem};
+pub use glam::{Affine3A, Vec2, Vec3};
+pub use mesh::Mesh;
+pub use model::{Color, Instance, Light, Material, Plane, Scene, Sphere, luminance};
+pub use texture::{Pixels, Texture};

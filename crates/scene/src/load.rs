@@ -1,0 +1,145 @@
+//! Scenes from files, by the ending of the file's name.
+
+use std::path::Path;
+
+use glam::{Affine3A, Vec3};
+use trisect_workloads::MeshFormat;
+
+use crate::camera::{Camera, Lens};
+use crate::error::{SceneError, SceneProblem};
+use crate::mesh::Mesh;
+use crate::model::{Instance, Light, Material, Scene};
+use crate::{gltf_scene, obj, toml_file};
+
+/// Pixels of a picture where a file says nothing of it.
+pub(crate) const SIZE: [u32; 2] = [640, 480];
+
+impl Scene {
+    /// Reads a scene: `.toml` as this crate's documentation describes it, `.gltf` and `.glb`, `.obj` with
+    /// its materials, or a mesh alone (`.ply`, `.stl`). Where a file has no camera, one looks at all of
+    /// it; where it has no light, one shines from over the camera's shoulder, and there is some ambient
+    /// light.
+    ///
+    /// # Errors
+    /// When a file cannot be read or is faulty; the message names the file, the line or element, the
+    /// field and what mends it.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+        if ending.eq_ignore_ascii_case("toml") {
+            let text = read_text(path)?;
+            return toml_file::parse(&path.display().to_string(), &text, path.parent());
+        }
+        let mut scene = match MeshFormat::of(path) {
+            Some(MeshFormat::Gltf) => gltf_scene::load(path)?,
+            Some(MeshFormat::Obj) => {
+                let mut scene = Self::empty();
+                let mesh = obj::load(path, &mut scene)?;
+                scene.put(mesh);
+                scene
+            }
+            Some(MeshFormat::Ply | MeshFormat::Stl) => {
+                let mut scene = Self::empty();
+                let mesh = load_triangles(path)?;
+                scene.materials.push(Material::default());
+                scene.put(Mesh { materials: vec![0; mesh.triangles.len()], ..mesh });
+                scene
+            }
+            None => return Err(SceneProblem::UnknownType.of_file(path.display().to_string())),
+        };
+        scene.complete();
+        Ok(scene)
+    }
+
+    /// Reads a scene in this crate's format from memory; `name` stands for the file in messages, and
+    /// files that it names are looked for in `folder`.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn from_toml(name: &str, text: &str, folder: Option<&Path>) -> Result<Self, SceneError> {
+        toml_file::parse(name, text, folder)
+    }
+
+    /// A scene with nothing in it, not even a camera.
+    pub(crate) fn empty() -> Self {
+        Self {
+            size: SIZE,
+            background: Vec3::ZERO,
+            zenith: Vec3::ZERO,
+            ambient: Vec3::ZERO,
+            cameras: Vec::new(),
+            lights: Vec::new(),
+            materials: Vec::new(),
+            textures: Vec::new(),
+            meshes: Vec::new(),
+            instances: Vec::new(),
+            spheres: Vec::new(),
+            planes: Vec::new(),
+        }
+    }
+
+    /// Adds a mesh as it is.
+    fn put(&mut self, mesh: Mesh) {
+        let smooth = !mesh.normals.is_empty();
+        self.instances.push(Instance {
+            mesh: self.meshes.len(),
+            to_world: Affine3A::IDENTITY,
+            material: None,
+            smooth,
+        });
+        self.meshes.push(mesh);
+    }
+
+    /// Adds a camera and light where there are none.
+    fn complete(&mut self) {
+        let [low, high] = self.bounds().unwrap_or([Vec3::NEG_ONE, Vec3::ONE]);
+        let (middle, radius) = ((low + high) * 0.5, (high - low).length().max(1e-20) * 0.5);
+        if self.cameras.is_empty() {
+            let field_of_view = 40.0_f32.to_radians();
+            let distance = radius / (field_of_view * 0.5).sin();
+            let eye = middle + Vec3::new(0.45, 0.35, 1.0).normalize() * distance;
+            let lens = Lens::Pinhole { field_of_view };
+            self.cameras.extend(Camera::looking(eye, middle, Vec3::Y, lens));
+        }
+        if self.lights.is_empty()
+            && let Some(camera) = self.cameras.first()
+        {
+            let direction = camera.forward - camera.up * 0.6 + camera.right * 0.4;
+            let irradiance = Vec3::splat(2.4);
+            self.lights.push(Light::Directional { direction: direction.normalize(), irradiance });
+            self.ambient = Vec3::splat(0.15);
+            self.background = Vec3::new(0.75, 0.80, 0.86);
+            self.zenith = Vec3::new(0.30, 0.45, 0.70);
+        }
+    }
+
+    /// The lowest and highest corner of the box around all instances and spheres; `None` where there is
+    /// neither.
+    pub fn bounds(&self) -> Option<[Vec3; 2]> {
+        let corners = self.instances.iter().flat_map(|instance| {
+            let triangles = self.meshes.get(instance.mesh).map(|mesh| &mesh.triangles);
+            triangles.into_iter().flatten().flat_map(|triangle| {
+                triangle.corners().map(|corner| instance.to_world.transform_point3(corner.into()))
+            })
+        });
+        let spheres = self
+            .spheres
+            .iter()
+            .flat_map(|s| [s.center - Vec3::splat(s.radius), s.center + Vec3::splat(s.radius)]);
+        corners.chain(spheres).fold(None, |bounds, p| {
+            let [low, high] = bounds.unwrap_or([p, p]);
+            Some([low.min(p), high.max(p)])
+        })
+    }
+}
+
+pub(crate) fn read_text(path: &Path) -> Result<String, SceneError> {
+    std::fs::read_to_string(path)
+        .map_err(|error| SceneProblem::Unreadable(error).of_file(path.display().to_string()))
+}
+
+/// Triangles of a file of any format, with smooth normals and without materials.
+pub(crate) fn load_triangles(path: &Path) -> Result<Mesh, SceneError> {
+    let mesh = trisect_workloads::Mesh::load(path)?;
+    Ok(Mesh::of_triangles(mesh.name, mesh.triangles.to_vec()))
+}

@@ -1,0 +1,75 @@
+//! Triangles with what shading asks of them.
+
+use std::collections::HashMap;
+
+use glam::{Vec2, Vec3};
+use trisect_core::Triangle;
+
+/// Triangles with normals, coordinates for textures, and materials.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// The name that files know it by.
+    pub name: String,
+    /// The triangles; every coordinate is finite.
+    pub triangles: Vec<Triangle<f32>>,
+    /// The corners' normals, of unit length, one triple a triangle; empty where there are none.
+    pub normals: Vec<[Vec3; 3]>,
+    /// The corners' coordinates for textures, one triple a triangle; empty where there are none.
+    pub coordinates: Vec<[Vec2; 3]>,
+    /// Each triangle's material; empty where an instance says it.
+    pub materials: Vec<usize>,
+}
+
+impl Mesh {
+    /// A mesh of triangles alone. Normals are those of [`with_smooth_normals`](Mesh::with_smooth_normals).
+    pub fn of_triangles(name: impl Into<String>, triangles: Vec<Triangle<f32>>) -> Self {
+        Self { name: name.into(), triangles, ..Self::default() }.with_smooth_normals()
+    }
+
+    /// Gives each corner the mean of the normals of all triangles that have a corner there, weighted by
+    /// their area; the triangle's own where that has no direction.
+    #[must_use]
+    pub fn with_smooth_normals(mut self) -> Self {
+        let key = |corner: trisect_core::Vec3<f32>| corner.map(|x| (x + 0.0).to_bits()).to_array();
+        let mut sums: HashMap<[u32; 3], Vec3> = HashMap::new();
+        for triangle in &self.triangles {
+            let normal = Vec3::from(triangle.normal());
+            for corner in triangle.corners() {
+                *sums.entry(key(corner)).or_default() += normal;
+            }
+        }
+        self.normals = self
+            .triangles
+            .iter()
+            .map(|triangle| {
+                let own = Vec3::from(triangle.normal()).normalize_or_zero();
+                triangle.corners().map(|corner| sums[&key(corner)].normalize_or(own))
+            })
+            .collect();
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normals_of_an_octahedron_point_along_its_axes() {
+        let mut triangles = Vec::new();
+        for [x, y, z] in
+            (0..8).map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { 1.0 } else { -1.0 }))
+        {
+            let [a, b, c] = [Vec3::X * x, Vec3::Y * y, Vec3::Z * z];
+            // An odd number of mirrors turns the order round.
+            let (b, c) = if x * y * z > 0.0 { (b, c) } else { (c, b) };
+            triangles.push(Triangle::new(a, b, c));
+        }
+        let mesh = Mesh::of_triangles("octahedron", triangles);
+        for (triangle, normals) in mesh.triangles.iter().zip(&mesh.normals) {
+            for (corner, normal) in triangle.corners().into_iter().zip(normals) {
+                assert!((*normal - Vec3::from(corner)).length() < 1e-6, "{corner:?} {normal}");
+            }
+        }
+    }
+}
