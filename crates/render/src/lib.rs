@@ -1,0 +1,20 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod image;
+mod paths;
+mod random;
+mod render;
+mod sampling;
+mod settings;
+mod stage;
+mod surface;
+mod wave;
+mod whitted;
+
+pub use image::{Image, ImageError, ImageFormat};
+pub use render::{Interrupted, Renderer, Watch};
+pub use sampling::Sampling;
+pub use settings::{Mode, Occlusion, Settings};
+pub use stage::Stage;
+pub use wave::Counts;

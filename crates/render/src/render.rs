@@ -1,0 +1,353 @@
+//! Pictures, tile by tile.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use trisect_scene::Color;
+
+use crate::image::Image;
+use crate::random::{Random, on_disc};
+use crate::sampling::CONTRAST;
+use crate::settings::{Mode, Settings};
+use crate::stage::Stage;
+use crate::wave::{Counts, Wave};
+
+/// Samples that go together: so many that a batch is worth its calls, and few enough for the second
+/// cache.
+const BATCH: usize = 4096;
+
+/// Who looks on while a picture is made.
+pub struct Watch<'a> {
+    /// Set, it ends the work within a batch of rays.
+    pub stop: &'a AtomicBool,
+    /// Called from any thread whenever a tile is done.
+    pub tile: &'a (dyn Fn() + Sync),
+}
+
+/// The picture was stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("stopped before the picture was done")]
+pub struct Interrupted;
+
+/// A part of a picture.
+#[derive(Clone, Copy)]
+struct Tile {
+    x: u32,
+    y: u32,
+    width: u32,
+    height: u32,
+}
+
+/// Makes pictures of a scene, on the threads of the pool that it is called in. What memory that takes is
+/// kept from picture to picture.
+pub struct Renderer<'s> {
+    stage: &'s Stage,
+    waves: Mutex<Vec<Wave>>,
+    counts: Mutex<Counts>,
+    colors: Vec<Color>,
+}
+
+impl<'s> Renderer<'s> {
+    /// For a scene.
+    pub fn new(stage: &'s Stage) -> Self {
+        Self { stage, waves: Mutex::default(), counts: Mutex::default(), colors: Vec::new() }
+    }
+
+    /// How many tiles a picture is done in; where paths are traced, each sample goes over all of them.
+    pub fn tiles(settings: &Settings) -> u64 {
+        let rounds = if settings.mode == Mode::Paths { settings.sampling.count() } else { 1 };
+        tiles(settings).len() as u64 * u64::from(rounds)
+    }
+
+    /// Rays of all pictures so far.
+    pub fn counts(&self) -> Counts {
+        *lock(&self.counts)
+    }
+
+    /// Makes a picture.
+    ///
+    /// # Errors
+    /// When it is stopped.
+    ///
+    /// # Panics
+    /// When the scene has no such camera, or the picture or its tiles have no pixels.
+    pub fn render(&mut self, settings: &Settings, watch: &Watch<'_>) -> Result<Image, Interrupted> {
+        let mut image = Image::black(settings.size);
+        if settings.mode == Mode::Paths {
+            for sample in 0..settings.sampling.count() {
+                self.accumulate(settings, sample, &mut image, watch)?;
+            }
+            let share = 1.0 / settings.sampling.count() as f32;
+            image.pixels.iter_mut().for_each(|pixel| *pixel *= share);
+            return Ok(image);
+        }
+        let stage = self.stage;
+        self.pass(settings, watch, |wave, tile, out| stage.draw(settings, wave, tile, out, watch))?;
+        self.place(settings, |pixel, color| *pixel = color, &mut image);
+        Ok(image)
+    }
+
+    /// Traces one more path for each pixel, and adds what it brings to the image; divided by the number of
+    /// paths, the image is the picture.
+    ///
+    /// # Errors
+    /// When it is stopped; the image is as it was then.
+    ///
+    /// # Panics
+    /// As [`render`](Renderer::render), and when the image is of another size.
+    pub fn accumulate(
+        &mut self,
+        settings: &Settings,
+        sample: u32,
+        image: &mut Image,
+        watch: &Watch<'_>,
+    ) -> Result<(), Interrupted> {
+        assert!(image.size == settings.size, "the image has another size");
+        let stage = self.stage;
+        self.pass(settings, watch, |wave, tile, out| {
+            stage.draw_paths(settings, sample, wave, tile, out, watch);
+        })?;
+        self.place(settings, |pixel, color| *pixel += color, image);
+        Ok(())
+    }
+
+    /// Draws all tiles, one after another in `colors`.
+    fn pass<D>(
+        &mut self,
+        settings: &Settings,
+        watch: &Watch<'_>,
+        draw: D,
+    ) -> Result<(), Interrupted>
+    where
+        D: Fn(&mut Wave, Tile, &mut [Color]) + Sync,
+    {
+        let Self { waves, counts, colors, .. } = self;
+        let [width, height] = settings.size;
+        colors.resize(width as usize * height as usize, Vec3::ZERO);
+        let mut rest = &mut colors[..];
+        let parts: Vec<(Tile, &mut [Color])> = tiles(settings)
+            .into_iter()
+            .map(|tile| {
+                let pixels = tile.width as usize * tile.height as usize;
+                let (part, others) = std::mem::take(&mut rest).split_at_mut(pixels);
+                rest = others;
+                (tile, part)
+            })
+            .collect();
+        parts.into_par_iter().with_max_len(1).for_each(|(tile, part)| {
+            if watch.stop.load(Ordering::Relaxed) {
+                return;
+            }
+            let mut wave = lock(waves).pop().unwrap_or_default();
+            draw(&mut wave, tile, part);
+            lock(counts).add(std::mem::take(&mut wave.counts));
+            lock(waves).push(wave);
+            (watch.tile)();
+        });
+        if watch.stop.load(Ordering::Relaxed) { Err(Interrupted) } else { Ok(()) }
+    }
+
+    /// Puts the tiles' colours in their places.
+    fn place(&self, settings: &Settings, put: impl Fn(&mut Color, Color), image: &mut Image) {
+        let width = settings.size[0] as usize;
+        let mut colors = self.colors.iter();
+        for tile in tiles(settings) {
+            for y in tile.y..tile.y + tile.height {
+                let start = y as usize * width + tile.x as usize;
+                let row = &mut image.pixels[start..start + tile.width as usize];
+                row.iter_mut().zip(colors.by_ref()).for_each(|(pixel, color)| put(pixel, *color));
+            }
+        }
+    }
+}
+
+/// What a mutex holds; a panic elsewhere ends the picture anyway.
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// The parts of a picture, row by row.
+fn tiles(settings: &Settings) -> Vec<Tile> {
+    let ([width, height], side) = (settings.size, settings.tile);
+    assert!(width > 0 && height > 0 && side > 0, "a picture and its tiles have pixels");
+    let starts = |length: u32| (0..length).step_by(side as usize);
+    starts(height)
+        .flat_map(|y| {
+            starts(width).map(move |x| Tile {
+                x,
+                y,
+                width: side.min(width - x),
+                height: side.min(height - y),
+            })
+        })
+        .collect()
+}
+
+impl Stage {
+    /// Draws a tile after Whitted.
+    fn draw(
+        &self,
+        settings: &Settings,
+        wave: &mut Wave,
+        tile: Tile,
+        out: &mut [Color],
+        watch: &Watch<'_>,
+    ) {
+        let sampling = settings.sampling;
+        let (first, more) = (sampling.count() as usize, sampling.more() as usize);
+        let eye = Eye::new(self, settings);
+        let all: Vec<u32> = (0..).take(out.len()).collect();
+        // Those whose samples differ, with their sums.
+        let mut rough: Vec<u32> = Vec::new();
+        for pixels in all.chunks((BATCH / first).max(1)) {
+            wave.clear();
+            for &pixel in pixels {
+                eye.look(wave, tile.pixel(pixel), 0..sampling.count());
+            }
+            let radiance = wave.follow(self, settings, watch.stop);
+            for (&pixel, samples) in pixels.iter().zip(radiance.chunks_exact(first)) {
+                out[pixel as usize] = mean(samples);
+                if more > 0 && differ(samples) {
+                    rough.push(pixel);
+                }
+            }
+        }
+        for pixels in rough.chunks((BATCH / more.max(1)).max(1)) {
+            wave.clear();
+            for &pixel in pixels {
+                let samples = sampling.count()..sampling.count() + sampling.more();
+                eye.look(wave, tile.pixel(pixel), samples);
+            }
+            let radiance = wave.follow(self, settings, watch.stop);
+            for (&pixel, samples) in pixels.iter().zip(radiance.chunks_exact(more)) {
+                let few = out[pixel as usize];
+                let share = more as f32 / (first + more) as f32;
+                out[pixel as usize] = few.lerp(mean(samples), share);
+            }
+        }
+    }
+
+    /// Draws one path for each pixel of a tile.
+    fn draw_paths(
+        &self,
+        settings: &Settings,
+        sample: u32,
+        wave: &mut Wave,
+        tile: Tile,
+        out: &mut [Color],
+        watch: &Watch<'_>,
+    ) {
+        let eye = Eye::new(self, settings);
+        let all: Vec<u32> = (0..).take(out.len()).collect();
+        for pixels in all.chunks(BATCH) {
+            wave.clear();
+            for &pixel in pixels {
+                eye.look(wave, tile.pixel(pixel), sample..sample + 1);
+            }
+            let radiance = wave.follow(self, settings, watch.stop);
+            for (&pixel, color) in pixels.iter().zip(radiance) {
+                out[pixel as usize] = *color;
+            }
+        }
+    }
+}
+
+impl Tile {
+    /// Where in the picture one of its pixels is.
+    fn pixel(self, number: u32) -> [u32; 2] {
+        [self.x + number % self.width, self.y + number / self.width]
+    }
+}
+
+fn mean(samples: &[Color]) -> Color {
+    if let [only] = samples {
+        return *only;
+    }
+    samples.iter().sum::<Color>() * (1.0 / samples.len() as f32)
+}
+
+/// Whether samples differ as the eye sees them.
+fn differ(samples: &[Color]) -> bool {
+    let seen = |color: &Color| color.min(Vec3::ONE).max(Vec3::ZERO).map(f32::sqrt);
+    let (mut low, mut high) = (Vec3::ONE, Vec3::ZERO);
+    for sample in samples.iter().map(seen) {
+        (low, high) = (low.min(sample), high.max(sample));
+    }
+    (high - low).max_element() > CONTRAST
+}
+
+/// A camera and where its rays go through.
+struct Eye<'a> {
+    camera: &'a trisect_scene::Camera,
+    settings: &'a Settings,
+    half_height: f32,
+    /// Half the picture's size in half heights, and half heights a pixel.
+    corner: Vec2,
+    step: f32,
+}
+
+impl<'a> Eye<'a> {
+    fn new(stage: &'a Stage, settings: &'a Settings) -> Self {
+        let camera = &stage.scene.cameras[settings.camera];
+        let [width, height] = settings.size.map(|x| x as f32);
+        Self {
+            camera,
+            settings,
+            half_height: camera.lens.half_height(),
+            corner: Vec2::new(-width / height, 1.0),
+            step: 2.0 / height,
+        }
+    }
+
+    /// Sends the rays of a pixel's samples.
+    fn look(&self, wave: &mut Wave, [x, y]: [u32; 2], samples: std::ops::Range<u32>) {
+        let Settings { size, seed, mode, sampling, .. } = self.settings;
+        let pixel = y * size[0] + x;
+        for sample in samples {
+            let random = Random { seed: *seed, pixel, sample };
+            let point = match mode {
+                Mode::Paths => {
+                    let [u, v, ..] = random.four(0);
+                    Vec2::new(u, v)
+                }
+                Mode::Whitted { .. } => sampling.point(random),
+            };
+            let right_down = Vec2::new(x as f32, y as f32) + point;
+            let at = self.corner + right_down * Vec2::new(self.step, -self.step);
+            let on_lens = || {
+                let at = match mode {
+                    Mode::Paths => {
+                        let [.., u, v] = random.four(0);
+                        Vec2::new(u, v)
+                    }
+                    Mode::Whitted { .. } => sampling.on_lens(random),
+                };
+                on_disc(at.x, at.y)
+            };
+            let (o, d) = self.camera.ray(at, self.half_height, on_lens);
+            wave.push_primary(pixel, sample, o, d.normalize());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_a_picture_once() {
+        for side in [1, 7, 64, 1000] {
+            let settings = Settings { tile: side, ..Settings::new([37, 23]) };
+            let mut seen = vec![0; 37 * 23];
+            for tile in tiles(&settings) {
+                for number in 0..tile.width * tile.height {
+                    let [x, y] = tile.pixel(number);
+                    seen[(y * 37 + x) as usize] += 1;
+                }
+            }
+            assert!(seen.iter().all(|&times| times == 1), "{side}");
+        }
+    }
+}

@@ -1,0 +1,293 @@
+//! A scene made ready: its triangles in trees, with what shading asks of each.
+//!
+//! Meshes that are seen once are carried to the world and share one tree; what is seen several times has
+//! a tree of its own, and rays are carried to it. What is clear is apart from what casts shadows.
+
+use std::collections::BTreeMap;
+
+use glam::{Affine3A, Mat3A, Vec2, Vec3};
+use trisect_core::{Triangle, UnsuitableMesh};
+use trisect_scene::{Instance, Light, Material, Scene};
+use trisect_tracer::{Statistics, Tree};
+
+/// What shading asks of every triangle.
+#[derive(Clone, Copy)]
+pub(crate) struct Facet {
+    /// Of unit length, towards the front.
+    pub(crate) normal: Vec3,
+    /// Of its plane from the origin, along the normal.
+    pub(crate) distance: f32,
+    pub(crate) material: u32,
+}
+
+/// The weights of corners b and c at a point, by their gradients: so a method need not give them.
+#[derive(Clone, Copy)]
+pub(crate) struct Weights {
+    a: Vec3,
+    beta: Vec3,
+    gamma: Vec3,
+}
+
+impl Weights {
+    fn of(triangle: &Triangle<f32>) -> Self {
+        let [a, b, c] = triangle.corners().map(Vec3::from);
+        let (u, v) = (b - a, c - a);
+        let normal = u.cross(v);
+        let scale = 1.0 / normal.length_squared();
+        Self { a, beta: v.cross(normal) * scale, gamma: normal.cross(u) * scale }
+    }
+
+    #[inline]
+    pub(crate) fn at(&self, point: Vec3) -> (f32, f32) {
+        let from = point - self.a;
+        (from.dot(self.beta), from.dot(self.gamma))
+    }
+}
+
+/// What varies over a triangle: at corner a, and how it changes towards b and c.
+#[derive(Clone, Copy)]
+pub(crate) struct Varying<T> {
+    a: T,
+    b: T,
+    c: T,
+}
+
+impl<T> Varying<T>
+where
+    T: Copy
+        + std::ops::Sub<Output = T>
+        + std::ops::Add<Output = T>
+        + std::ops::Mul<f32, Output = T>,
+{
+    fn of([a, b, c]: [T; 3]) -> Self {
+        Self { a, b: b - a, c: c - a }
+    }
+
+    #[inline]
+    pub(crate) fn at(&self, (beta, gamma): (f32, f32)) -> T {
+        self.a + self.b * beta + self.c * gamma
+    }
+}
+
+/// Triangles in a tree.
+pub(crate) struct Group {
+    pub(crate) tree: Box<dyn Tree>,
+    pub(crate) facets: Vec<Facet>,
+    /// Empty where nothing varies over any triangle, as the next two may be.
+    pub(crate) weights: Vec<Weights>,
+    pub(crate) normals: Vec<Varying<Vec3>>,
+    pub(crate) coordinates: Vec<Varying<Vec2>>,
+}
+
+/// A group in its place.
+pub(crate) struct Placed {
+    pub(crate) group: usize,
+    /// None where the group is in the world's space.
+    pub(crate) carried: Option<Carried>,
+    pub(crate) casts_shadow: bool,
+}
+
+/// How rays come to a group, and normals back.
+pub(crate) struct Carried {
+    pub(crate) to_object: Affine3A,
+    pub(crate) to_world: Affine3A,
+    pub(crate) normals: Mat3A,
+    /// The box around it, in the world.
+    pub(crate) bounds: [Vec3; 2],
+}
+
+/// A scene made ready for a method.
+pub struct Stage {
+    pub(crate) scene: Scene,
+    pub(crate) groups: Vec<Group>,
+    pub(crate) placed: Vec<Placed>,
+    /// Whether each material answers lights.
+    pub(crate) lit: Vec<bool>,
+    /// Whether each sphere, and each plane, casts shadows.
+    pub(crate) casting: [Vec<bool>; 2],
+}
+
+/// What instances have in common that may share a tree.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Look {
+    mesh: usize,
+    material: Option<usize>,
+    smooth: bool,
+}
+
+/// Triangles on their way into a tree.
+#[derive(Default)]
+struct Gathered {
+    triangles: Vec<Triangle<f32>>,
+    materials: Vec<u32>,
+    normals: Vec<[Vec3; 3]>,
+    coordinates: Vec<[Vec2; 3]>,
+    smooth: bool,
+    textured: bool,
+}
+
+impl Stage {
+    /// Puts the triangles of a scene into trees, with what builds a tree over triangles.
+    ///
+    /// # Errors
+    /// When the method cannot take the triangles.
+    ///
+    /// # Panics
+    /// When a number in the scene is out of range, which those of loaded scenes are not.
+    pub fn new<B>(scene: Scene, build: B) -> Result<Self, UnsuitableMesh>
+    where
+        B: Fn(&[Triangle<f32>]) -> Result<Box<dyn Tree>, UnsuitableMesh>,
+    {
+        let mut looks: BTreeMap<Look, Vec<&Instance>> = BTreeMap::new();
+        for instance in &scene.instances {
+            let Instance { mesh, material, smooth, .. } = *instance;
+            looks.entry(Look { mesh, material, smooth }).or_default().push(instance);
+        }
+        let (mut groups, mut placed) = (Vec::new(), Vec::new());
+        // Apart: what casts shadows, and what is clear.
+        for casts_shadow in [true, false] {
+            let is_wanted = |material: &Material| material.is_clear() != casts_shadow;
+            let mut world = Gathered::default();
+            for (look, instances) in &looks {
+                if let [instance] = instances[..] {
+                    world.gather(&scene, *look, &instance.to_world, is_wanted);
+                    continue;
+                }
+                let mut own = Gathered::default();
+                own.gather(&scene, *look, &Affine3A::IDENTITY, is_wanted);
+                if own.triangles.is_empty() {
+                    continue;
+                }
+                for instance in instances {
+                    let to_object = instance.to_world.inverse();
+                    let carried = Carried {
+                        to_object,
+                        to_world: instance.to_world,
+                        normals: to_object.matrix3.transpose(),
+                        bounds: own.bounds(&instance.to_world),
+                    };
+                    let group = groups.len();
+                    placed.push(Placed { group, carried: Some(carried), casts_shadow });
+                }
+                groups.push(own.finish(&build)?);
+            }
+            if !world.triangles.is_empty() {
+                placed.push(Placed { group: groups.len(), carried: None, casts_shadow });
+                groups.push(world.finish(&build)?);
+            }
+        }
+        let lit = |m: &Material| m.diffuse != Vec3::ZERO || m.specular != Vec3::ZERO;
+        let lit = scene.materials.iter().map(lit).collect();
+        let casts = |material: usize| !scene.materials[material].is_clear();
+        let casting = [
+            scene.spheres.iter().map(|sphere| casts(sphere.material)).collect(),
+            scene.planes.iter().map(|plane| casts(plane.material)).collect(),
+        ];
+        Ok(Self { scene, groups, placed, lit, casting })
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The first of the scene's lights, so many at most.
+    pub(crate) fn lights(&self, most: usize) -> &[Light] {
+        &self.scene.lights[..most.min(self.scene.lights.len())]
+    }
+
+    /// Facts about each tree.
+    pub fn trees(&self) -> impl Iterator<Item = Statistics> + '_ {
+        self.groups.iter().map(|group| group.tree.statistics())
+    }
+
+    /// Triangles in all trees; what several instances share counts once.
+    pub fn triangles(&self) -> usize {
+        self.groups.iter().map(|group| group.facets.len()).sum()
+    }
+}
+
+impl Gathered {
+    /// Adds those triangles of a mesh whose material is wanted.
+    fn gather(
+        &mut self,
+        scene: &Scene,
+        look: Look,
+        to_world: &Affine3A,
+        is_wanted: impl Fn(&Material) -> bool,
+    ) {
+        let mesh = &scene.meshes[look.mesh];
+        let normals = to_world.matrix3.inverse().transpose();
+        let mirrored = to_world.matrix3.determinant() < 0.0;
+        let is_same = *to_world == Affine3A::IDENTITY;
+        for (number, triangle) in mesh.triangles.iter().enumerate() {
+            let material = look.material.unwrap_or_else(|| mesh.materials[number]);
+            if !is_wanted(&scene.materials[material]) {
+                continue;
+            }
+            let mut corners = triangle.corners().map(Vec3::from);
+            if !is_same {
+                corners = corners.map(|corner| to_world.transform_point3(corner));
+            }
+            let own = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+            let mut at_corners = [if mirrored { -own } else { own }; 3];
+            if let Some(smooth) = mesh.normals.get(number).filter(|_| look.smooth) {
+                at_corners =
+                    smooth.map(|n| Vec3::from(normals * glam::Vec3A::from(n)).normalize_or(own));
+                self.smooth = true;
+            }
+            let mut coordinates = mesh.coordinates.get(number).copied().unwrap_or_default();
+            if mirrored {
+                // A mirror turns front to back; the corners' order turns it again.
+                corners.swap(1, 2);
+                at_corners.swap(1, 2);
+                coordinates.swap(1, 2);
+            }
+            let [a, b, c] = corners;
+            self.triangles.push(Triangle::new(a, b, c));
+            self.materials.push(u32::try_from(material).expect("materials are counted in u32"));
+            self.normals.push(at_corners);
+            self.textured |= scene.materials[material].texture.is_some();
+            self.coordinates.push(coordinates);
+        }
+    }
+
+    /// The box around the triangles once they are in the world.
+    fn bounds(&self, to_world: &Affine3A) -> [Vec3; 2] {
+        let corners = self.triangles.iter().flat_map(|triangle| triangle.corners());
+        let corners = corners.map(|corner| to_world.transform_point3(Vec3::from(corner)));
+        let empty = [Vec3::INFINITY, Vec3::NEG_INFINITY];
+        corners.fold(empty, |[low, high], p| [low.min(p), high.max(p)])
+    }
+
+    fn finish(
+        self,
+        build: &impl Fn(&[Triangle<f32>]) -> Result<Box<dyn Tree>, UnsuitableMesh>,
+    ) -> Result<Group, UnsuitableMesh> {
+        let tree = build(&self.triangles)?;
+        let facets = self.triangles.iter().zip(&self.materials);
+        let facets = facets
+            .map(|(triangle, &material)| {
+                let normal = Vec3::from(triangle.normal()).normalize_or_zero();
+                Facet { normal, distance: normal.dot(triangle.a.into()), material }
+            })
+            .collect();
+        let mut group = Group {
+            tree,
+            facets,
+            weights: Vec::new(),
+            normals: Vec::new(),
+            coordinates: Vec::new(),
+        };
+        if self.smooth || self.textured {
+            group.weights = self.triangles.iter().map(Weights::of).collect();
+        }
+        if self.smooth {
+            group.normals = self.normals.into_iter().map(Varying::of).collect();
+        }
+        if self.textured {
+            group.coordinates = self.coordinates.into_iter().map(Varying::of).collect();
+        }
+        Ok(group)
+    }
+}

@@ -1,0 +1,285 @@
+//! Where a ray meets something, and what is there.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+use trisect_core::Ray;
+use trisect_scene::{Color, Material, Plane, Sphere};
+
+use crate::stage::Stage;
+
+/// What a ray meets first.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Target {
+    /// One of the [`Stage`]'s placed groups, or one of the next.
+    pub(crate) what: u32,
+    /// Of the triangle, sphere or plane.
+    pub(crate) number: u32,
+}
+
+impl Target {
+    pub(crate) const NOTHING: u32 = u32::MAX;
+    pub(crate) const SPHERE: u32 = u32::MAX - 1;
+    pub(crate) const PLANE: u32 = u32::MAX - 2;
+    pub(crate) const NONE: Self = Self { what: Self::NOTHING, number: 0 };
+}
+
+/// What shading asks of a point.
+pub(crate) struct Surface<'a> {
+    pub(crate) position: Vec3,
+    /// Of unit length, on the side that the ray comes from; interpolated where the surface is smooth.
+    pub(crate) normal: Vec3,
+    /// The same of the surface as it is.
+    pub(crate) true_normal: Vec3,
+    /// Whether the ray comes from the front: from outside, where the surface is closed.
+    pub(crate) from_front: bool,
+    pub(crate) material: &'a Material,
+    /// The material's, times its texture.
+    pub(crate) diffuse: Color,
+    pub(crate) is_lit: bool,
+}
+
+impl Stage {
+    /// What is where a ray's interval ends, at its target.
+    #[inline]
+    pub(crate) fn surface(&self, ray: &Ray<f32>, target: Target) -> Surface<'_> {
+        let direction = Vec3::from(ray.d);
+        let mut position = Vec3::from(ray.o) + direction * ray.tmax;
+        let number = target.number as usize;
+        let (material, front, mut normal);
+        let mut inside = None;
+        match target.what {
+            // Onto the surface in each case, as far as rounding allows: the way from the camera may be long.
+            Target::SPHERE => {
+                let sphere = &self.scene.spheres[number];
+                material = sphere.material;
+                front = (position - sphere.center).normalize();
+                position = sphere.center + front * sphere.radius;
+                normal = front;
+            }
+            Target::PLANE => {
+                let plane = &self.scene.planes[number];
+                material = plane.material;
+                front = plane.normal;
+                position -= front * (position - plane.point).dot(front);
+                normal = front;
+            }
+            what => {
+                let placed = &self.placed[what as usize];
+                let group = &self.groups[placed.group];
+                let facet = &group.facets[number];
+                material = facet.material as usize;
+                let mut own = match &placed.carried {
+                    Some(carried) => carried.to_object.transform_point3(position),
+                    None => position,
+                };
+                own -= facet.normal * (own.dot(facet.normal) - facet.distance);
+                let mut of_facet = facet.normal;
+                normal = of_facet;
+                if !group.weights.is_empty() {
+                    let weights = group.weights[number].at(own);
+                    inside = Some((group, weights));
+                    if !group.normals.is_empty() {
+                        normal = group.normals[number].at(weights);
+                    }
+                }
+                position = own;
+                if let Some(carried) = &placed.carried {
+                    position = carried.to_world.transform_point3(own);
+                    of_facet = (carried.normals * glam::Vec3A::from(of_facet)).into();
+                    of_facet = of_facet.normalize_or_zero();
+                    normal = (carried.normals * glam::Vec3A::from(normal)).into();
+                }
+                normal = normal.normalize_or(of_facet);
+                front = of_facet;
+            }
+        }
+        let described = &self.scene.materials[material];
+        let mut diffuse = described.diffuse;
+        if let Some(texture) = described.texture {
+            let at = match (target.what, inside) {
+                (Target::SPHERE, _) => around(front),
+                (Target::PLANE, _) => along(&self.scene.planes[number], position),
+                (_, Some((group, weights))) if !group.coordinates.is_empty() => {
+                    group.coordinates[number].at(weights)
+                }
+                _ => Vec2::ZERO,
+            };
+            diffuse *= self.scene.textures[texture].at(at);
+        }
+        let from_front = front.dot(direction) <= 0.0;
+        let true_normal = if from_front { front } else { -front };
+        // An interpolated normal may look away from the ray at the rim.
+        if normal.dot(true_normal) < 0.0 {
+            normal = -normal;
+        }
+        Surface {
+            position,
+            normal,
+            true_normal,
+            from_front,
+            material: described,
+            diffuse,
+            is_lit: self.lit[material],
+        }
+    }
+}
+
+impl Surface<'_> {
+    /// Where rays start that leave on the side that the ray came from (`1.0`), or the other (`-1.0`).
+    #[inline]
+    pub(crate) fn start(&self, side: f32) -> Vec3 {
+        off_surface(self.position, self.true_normal * side)
+    }
+}
+
+/// A point that is so far off the surface, along its normal, that rays from there do not meet it again.
+///
+/// Wächter, Binder: A Fast and Robust Method for Avoiding Self-Intersection. Ray Tracing Gems, chapter 6,
+/// 2019: 256 units in the last place of each coordinate, or 2⁻¹⁶ near 0.
+#[inline]
+pub(crate) fn off_surface(point: Vec3, normal: Vec3) -> Vec3 {
+    const NEAR: f32 = 1.0 / 32.0;
+    const STEP: f32 = 1.0 / 65_536.0;
+    const UNITS: f32 = 256.0;
+    let moved = |x: f32, n: f32| {
+        #[allow(clippy::cast_possible_truncation, reason = "at most 256")]
+        let units = (UNITS * n) as i32;
+        let units = if x < 0.0 { -units } else { units };
+        if x.abs() < NEAR {
+            x + STEP * n
+        } else {
+            f32::from_bits(x.to_bits().wrapping_add_signed(units))
+        }
+    };
+    Vec3::new(moved(point.x, normal.x), moved(point.y, normal.y), moved(point.z, normal.z))
+}
+
+/// Where a ray of unit direction meets a sphere within an interval; infinite where it does not.
+///
+/// Haines, Günther, Akenine-Möller: Precision Improvements for Ray/Sphere Intersection. Ray Tracing Gems,
+/// chapter 7, 2019.
+#[inline]
+pub(crate) fn meet_sphere(sphere: &Sphere, o: Vec3, d: Vec3, tmax: f32) -> f32 {
+    let from = o - sphere.center;
+    let b = -from.dot(d);
+    let squared = sphere.radius * sphere.radius;
+    let nearest = from + d * b;
+    let discriminant = squared - nearest.length_squared();
+    if discriminant.is_nan() || discriminant < 0.0 {
+        return f32::INFINITY;
+    }
+    let q = b + discriminant.sqrt().copysign(b);
+    let other = (from.length_squared() - squared) / q;
+    let (first, last) = if b > 0.0 { (other, q) } else { (q, other) };
+    let t = if first > 0.0 { first } else { last };
+    if t > 0.0 && t < tmax { t } else { f32::INFINITY }
+}
+
+/// Where a ray meets a plane within an interval; infinite where it does not.
+#[inline]
+pub(crate) fn meet_plane(plane: &Plane, o: Vec3, d: Vec3, tmax: f32) -> f32 {
+    let t = (plane.point - o).dot(plane.normal) / d.dot(plane.normal);
+    if t > 0.0 && t < tmax { t } else { f32::INFINITY }
+}
+
+/// Coordinates on a sphere: the share of the way around y, and down from the pole.
+fn around(normal: Vec3) -> Vec2 {
+    let u = normal.z.atan2(normal.x) * (0.5 / PI) + 0.5;
+    Vec2::new(u, normal.y.clamp(-1.0, 1.0).acos() / PI)
+}
+
+/// Coordinates on a plane, in the world's units; on a floor they are x and z.
+fn along(plane: &Plane, position: Vec3) -> Vec2 {
+    let from = position - plane.point;
+    let right = if plane.normal.y.abs() > 0.9 {
+        Vec3::X.reject_from_normalized(plane.normal).normalize()
+    } else {
+        Vec3::Y.cross(plane.normal).normalize()
+    };
+    Vec2::new(from.dot(right), -from.dot(plane.normal.cross(right)))
+}
+
+/// Light that comes back from a mirror, given the ray's direction and the normal towards its origin.
+#[inline]
+pub(crate) fn reflected(direction: Vec3, normal: Vec3) -> Vec3 {
+    direction - normal * (2.0 * direction.dot(normal))
+}
+
+/// Glass: the share of light that is reflected, and the direction of the rest, if there is any.
+///
+/// `ratio` is the index of refraction where the ray comes from, over that where it goes.
+pub(crate) fn refracted(direction: Vec3, normal: Vec3, ratio: f32) -> (f32, Option<Vec3>) {
+    let cosine = (-direction.dot(normal)).clamp(0.0, 1.0);
+    // Snell's law; above 1 all is reflected.
+    let squared = ratio * ratio * (1.0 - cosine * cosine);
+    if squared >= 1.0 {
+        return (1.0, None);
+    }
+    let behind = (1.0 - squared).sqrt();
+    // Fresnel's equations, the mean of both polarisations.
+    let across = (ratio * cosine - behind) / (ratio * cosine + behind);
+    let within = (cosine - ratio * behind) / (cosine + ratio * behind);
+    let share = 0.5 * (across * across + within * within);
+    (share, Some((direction * ratio + normal * (ratio * cosine - behind)).normalize()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refraction_obeys_snell() {
+        let ratio = 1.0 / 1.5;
+        for degrees in [0.0_f32, 10.0, 45.0, 80.0, 89.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let (share, direction) = refracted(Vec3::new(sin, -cos, 0.0), Vec3::Y, ratio);
+            let direction = direction.expect("into the denser there is always a way");
+            assert!((direction.x - sin * ratio).abs() < 1e-6, "{degrees}: {direction}");
+            assert!(direction.y < 0.0 && (0.0..=1.0).contains(&share));
+        }
+    }
+
+    #[test]
+    fn fresnel_is_that_of_the_books() {
+        // ((n − 1) / (n + 1))² head on.
+        assert!((refracted(Vec3::NEG_Y, Vec3::Y, 1.0 / 1.5).0 - 0.04).abs() < 1e-6);
+        // At Brewster's angle one polarisation is not reflected at all; half the other's 14.8 % is.
+        let angle = 1.5_f32.atan();
+        let direction = Vec3::new(angle.sin(), -angle.cos(), 0.0);
+        let across = ((1.0 - 2.25) / (1.0 + 2.25_f32)).powi(2);
+        assert!((refracted(direction, Vec3::Y, 1.0 / 1.5).0 - across / 2.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn beyond_the_critical_angle_all_is_reflected() {
+        let critical = (1.0_f32 / 1.5).asin();
+        let at = |angle: f32| refracted(Vec3::new(angle.sin(), -angle.cos(), 0.0), Vec3::Y, 1.5);
+        assert!(at(critical - 1e-3).1.is_some());
+        assert_eq!(at(critical + 1e-3), (1.0, None));
+    }
+
+    #[test]
+    fn spheres_are_met_from_outside_and_inside() {
+        let sphere = Sphere { center: Vec3::new(0.0, 0.0, -5.0), radius: 2.0, material: 0 };
+        let meet = |o, tmax| meet_sphere(&sphere, o, Vec3::NEG_Z, tmax);
+        assert_eq!(meet(Vec3::ZERO, f32::INFINITY), 3.0);
+        assert_eq!(meet(Vec3::ZERO, 2.5), f32::INFINITY);
+        assert_eq!(meet(sphere.center, f32::INFINITY), 2.0);
+        assert_eq!(meet(Vec3::new(0.0, 0.0, -8.0), f32::INFINITY), f32::INFINITY);
+        assert_eq!(meet(Vec3::new(2.1, 0.0, 0.0), f32::INFINITY), f32::INFINITY);
+    }
+
+    #[test]
+    fn points_move_off_the_surface_at_every_size() {
+        for size in [0.0, 1e-20, 1e-3, 1.0, 1e6, 1e20] {
+            for normal in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, -0.8)] {
+                for point in [Vec3::splat(size), Vec3::new(size, -size, size)] {
+                    let moved = off_surface(point, normal) - point;
+                    assert!(moved.dot(normal) > 0.0, "{point} {normal}");
+                    assert!(moved.length() <= 1e-4 * size.max(1.0), "{point} {normal}");
+                }
+            }
+        }
+    }
+}

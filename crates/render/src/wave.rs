@@ -1,0 +1,319 @@
+//! Rays in batches: all rays of a tile that are equally far from the camera go together.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::Vec3;
+use trisect_core::{Culling, Ray};
+use trisect_scene::{Color, luminance};
+use trisect_tracer::{Tracing, TriangleHit};
+
+use crate::settings::{Mode, Settings};
+use crate::stage::{Carried, Stage};
+use crate::surface::{Target, meet_plane, meet_sphere};
+
+/// How many rays were traced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// From the camera.
+    pub primary: u64,
+    /// Reflected, refracted or scattered.
+    pub secondary: u64,
+    /// To lights, and for ambient occlusion.
+    pub shadow: u64,
+}
+
+impl Counts {
+    /// All together.
+    pub fn total(self) -> u64 {
+        self.primary + self.secondary + self.shadow
+    }
+
+    pub(crate) fn add(&mut self, other: Self) {
+        self.primary += other.primary;
+        self.secondary += other.secondary;
+        self.shadow += other.shadow;
+    }
+}
+
+/// What a ray carries to where it goes.
+#[derive(Clone, Copy)]
+pub(crate) struct Carrying {
+    /// The sample that it adds to.
+    pub(crate) slot: u32,
+    /// The share of what it finds that is added.
+    pub(crate) weight: Color,
+}
+
+/// Rays that go together, and room for what comes of them. Kept from tile to tile.
+#[derive(Default)]
+pub(crate) struct Wave {
+    /// Those at hand; each interval ends at what the ray has met.
+    rays: Vec<Ray<f32>>,
+    carrying: Vec<Carrying>,
+    targets: Vec<Target>,
+    found: Vec<Option<TriangleHit>>,
+    /// Those that are to go next.
+    next_rays: Vec<Ray<f32>>,
+    next_carrying: Vec<Carrying>,
+    /// Those to lights, and what each adds if nothing is in its way.
+    shadow_rays: Vec<Ray<f32>>,
+    shadow_carrying: Vec<Carrying>,
+    is_dark: Vec<bool>,
+    blocked: Vec<bool>,
+    /// Rays carried to a group's space, and which they are.
+    carried: Vec<Ray<f32>>,
+    which: Vec<u32>,
+    /// What the samples have so far.
+    radiance: Vec<Color>,
+    /// For random numbers: which pixel and sample each slot is.
+    pub(crate) samples: Vec<[u32; 2]>,
+    pub(crate) counts: Counts,
+}
+
+/// A ray of no length limit.
+pub(crate) fn ray(o: Vec3, d: Vec3, tmax: f32) -> Ray<f32> {
+    Ray { o: o.into(), d: d.into(), tmin: 0.0, tmax }
+}
+
+impl Wave {
+    /// Forgets all rays and samples.
+    pub(crate) fn clear(&mut self) {
+        self.rays.clear();
+        self.carrying.clear();
+        self.samples.clear();
+    }
+
+    /// Adds a sample's ray, whose direction has unit length.
+    pub(crate) fn push_primary(&mut self, pixel: u32, sample: u32, o: Vec3, d: Vec3) {
+        let slot = u32::try_from(self.samples.len()).expect("a batch has few samples");
+        self.samples.push([pixel, sample]);
+        self.rays.push(ray(o, d, f32::INFINITY));
+        self.carrying.push(Carrying { slot, weight: Vec3::ONE });
+    }
+
+    /// Follows the rays, and those that come of them, to their ends; what each sample receives. Ends early
+    /// when it is asked to stop.
+    pub(crate) fn follow(
+        &mut self,
+        stage: &Stage,
+        settings: &Settings,
+        stop: &AtomicBool,
+    ) -> &[Color] {
+        self.radiance.clear();
+        self.radiance.resize(self.samples.len(), Vec3::ZERO);
+        self.counts.primary += self.rays.len() as u64;
+        for depth in 0.. {
+            if self.rays.is_empty() || stop.load(Ordering::Relaxed) {
+                break;
+            }
+            self.find_targets(stage, settings.tracing);
+            for number in 0..self.rays.len() {
+                let (ray, carrying) = (self.rays[number], self.carrying[number]);
+                let target = self.targets[number];
+                if target.what == Target::NOTHING {
+                    self.add(carrying, stage.scene.sky(ray.d.into()));
+                    continue;
+                }
+                match settings.mode {
+                    Mode::Whitted { occlusion } => {
+                        self.shade_whitted(
+                            stage, settings, occlusion, depth, &ray, carrying, target,
+                        );
+                    }
+                    Mode::Paths => self.shade_path(stage, settings, depth, &ray, carrying, target),
+                }
+            }
+            self.add_lights(stage, settings.tracing);
+            std::mem::swap(&mut self.rays, &mut self.next_rays);
+            std::mem::swap(&mut self.carrying, &mut self.next_carrying);
+            self.next_rays.clear();
+            self.next_carrying.clear();
+            self.counts.secondary += self.rays.len() as u64;
+        }
+        &self.radiance
+    }
+
+    /// Adds light to a sample.
+    #[inline]
+    pub(crate) fn add(&mut self, Carrying { slot, weight }: Carrying, light: Color) {
+        self.radiance[slot as usize] += weight * light;
+    }
+
+    /// A ray for the next round.
+    #[inline]
+    pub(crate) fn push(&mut self, o: Vec3, d: Vec3, slot: u32, weight: Color) {
+        self.next_rays.push(ray(o, d, f32::INFINITY));
+        self.next_carrying.push(Carrying { slot, weight });
+    }
+
+    /// A ray that adds its weight to a sample if nothing casts a shadow within a distance.
+    #[inline]
+    pub(crate) fn push_shadow(
+        &mut self,
+        o: Vec3,
+        d: Vec3,
+        distance: f32,
+        slot: u32,
+        weight: Color,
+    ) {
+        self.shadow_rays.push(ray(o, d, distance));
+        self.shadow_carrying.push(Carrying { slot, weight });
+    }
+
+    /// What each ray meets first; its interval ends there.
+    fn find_targets(&mut self, stage: &Stage, tracing: Tracing) {
+        let Self { rays, targets, found, carried, which, .. } = self;
+        targets.clear();
+        targets.extend(rays.iter_mut().map(|ray| nearest_simple(stage, ray)));
+        for (what, placed) in (0_u32..).zip(&stage.placed) {
+            let tree = &*stage.groups[placed.group].tree;
+            let take = |ray: &mut Ray<f32>, target: &mut Target, found: &TriangleHit| {
+                if found.hit.t < ray.tmax {
+                    ray.tmax = found.hit.t;
+                    *target = Target { what, number: found.triangle };
+                }
+            };
+            match &placed.carried {
+                None => {
+                    found.resize(rays.len(), None);
+                    tree.closest(tracing, Culling::None, rays, found);
+                    for ((ray, target), found) in rays.iter_mut().zip(&mut *targets).zip(&*found) {
+                        if let Some(found) = found {
+                            take(ray, target, found);
+                        }
+                    }
+                }
+                Some(place) => {
+                    carry(place, rays, carried, which);
+                    found.resize(carried.len(), None);
+                    tree.closest(tracing, Culling::None, carried, found);
+                    for (&number, found) in which.iter().zip(&*found) {
+                        if let Some(found) = found {
+                            take(&mut rays[number as usize], &mut targets[number as usize], found);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds what reaches the samples of those lights that no shadow falls on.
+    fn add_lights(&mut self, stage: &Stage, tracing: Tracing) {
+        let Self { shadow_rays, is_dark, blocked, carried, which, .. } = self;
+        self.counts.shadow += shadow_rays.len() as u64;
+        is_dark.clear();
+        is_dark.extend(shadow_rays.iter_mut().map(|ray| {
+            let dark = is_blocked_simply(stage, ray);
+            if dark {
+                // Nothing is left to be found.
+                ray.tmax = f32::NEG_INFINITY;
+            }
+            dark
+        }));
+        for placed in stage.placed.iter().filter(|placed| placed.casts_shadow) {
+            let tree = &*stage.groups[placed.group].tree;
+            match &placed.carried {
+                None => {
+                    blocked.resize(shadow_rays.len(), false);
+                    tree.any(tracing, Culling::None, shadow_rays, blocked);
+                    for (dark, blocked) in is_dark.iter_mut().zip(&*blocked) {
+                        *dark |= blocked;
+                    }
+                }
+                Some(place) => {
+                    carry(place, shadow_rays, carried, which);
+                    blocked.resize(carried.len(), false);
+                    tree.any(tracing, Culling::None, carried, blocked);
+                    for (&number, blocked) in which.iter().zip(&*blocked) {
+                        is_dark[number as usize] |= blocked;
+                    }
+                }
+            }
+        }
+        for (carrying, dark) in self.shadow_carrying.iter().zip(&self.is_dark) {
+            if !dark {
+                self.radiance[carrying.slot as usize] += carrying.weight;
+            }
+        }
+        self.shadow_rays.clear();
+        self.shadow_carrying.clear();
+    }
+}
+
+/// The nearest sphere or plane; the ray's interval ends there.
+#[inline]
+fn nearest_simple(stage: &Stage, ray: &mut Ray<f32>) -> Target {
+    let (o, d) = (Vec3::from(ray.o), Vec3::from(ray.d));
+    let mut target = Target::NONE;
+    for (number, sphere) in (0_u32..).zip(&stage.scene.spheres) {
+        let t = meet_sphere(sphere, o, d, ray.tmax);
+        if t < ray.tmax {
+            ray.tmax = t;
+            target = Target { what: Target::SPHERE, number };
+        }
+    }
+    for (number, plane) in (0_u32..).zip(&stage.scene.planes) {
+        let t = meet_plane(plane, o, d, ray.tmax);
+        if t < ray.tmax {
+            ray.tmax = t;
+            target = Target { what: Target::PLANE, number };
+        }
+    }
+    target
+}
+
+/// Whether a sphere or plane casts its shadow on a ray.
+#[inline]
+fn is_blocked_simply(stage: &Stage, ray: &Ray<f32>) -> bool {
+    let (o, d) = (Vec3::from(ray.o), Vec3::from(ray.d));
+    let [spheres, planes] = &stage.casting;
+    let mut spheres = stage.scene.spheres.iter().zip(spheres);
+    let mut planes = stage.scene.planes.iter().zip(planes);
+    spheres.any(|(sphere, casts)| *casts && meet_sphere(sphere, o, d, ray.tmax) < ray.tmax)
+        || planes.any(|(plane, casts)| *casts && meet_plane(plane, o, d, ray.tmax) < ray.tmax)
+}
+
+/// Carries those rays to a group's space that meet its box: distances stay as they are.
+fn carry(place: &Carried, rays: &[Ray<f32>], carried: &mut Vec<Ray<f32>>, which: &mut Vec<u32>) {
+    carried.clear();
+    which.clear();
+    for (number, ray) in (0_u32..).zip(rays) {
+        let (o, d) = (Vec3::from(ray.o), Vec3::from(ray.d));
+        if meets_box(place.bounds, o, d, ray.tmax) {
+            carried.push(Ray {
+                o: place.to_object.transform_point3(o).into(),
+                d: place.to_object.transform_vector3(d).into(),
+                tmin: ray.tmin,
+                tmax: ray.tmax,
+            });
+            which.push(number);
+        }
+    }
+}
+
+/// Whether a ray may meet a box; never wrong where it says no. Widened as the tracer's own tests are.
+fn meets_box([low, high]: [Vec3; 2], o: Vec3, d: Vec3, tmax: f32) -> bool {
+    let inverse = d.recip();
+    let (a, b) = ((low - o) * inverse, (high - o) * inverse);
+    // NaN, of a ray in a side's plane, leaves the interval as it is.
+    let mut from = 0.0_f32;
+    let mut to = tmax;
+    for axis in 0..3 {
+        let (near, far) = (a[axis].min(b[axis]), a[axis].max(b[axis]));
+        from = from.max(near * (1.0 - near.signum() * 8.0 * f32::EPSILON));
+        to = to.min(far * (1.0 + far.signum() * 8.0 * f32::EPSILON));
+    }
+    from <= to
+}
+
+/// The largest part of a colour.
+#[inline]
+pub(crate) fn largest(color: Color) -> f32 {
+    color.max_element()
+}
+
+/// How bright a colour is, for choices that are made by chance.
+#[inline]
+pub(crate) fn chance(color: Color) -> f32 {
+    luminance(color)
+}
