@@ -103,6 +103,18 @@ where
     }
 }
 
+/// Traces on the calling thread, one number at a time, as testing every triangle does.
+pub(crate) fn on_scalar_lanes<M: Method, T: Found>(
+    bvh: &Bvh<M>,
+    culling: Culling,
+    rays: &[Ray<f32>],
+    found: &mut [T],
+) {
+    assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
+    let order = Order::Singly;
+    Batch::<M, T, false, true, false> { bvh, rays, order, culling, found }.run::<f32>(());
+}
+
 /// A tree over a mesh, whatever its method.
 pub trait Tree: Send + Sync {
     /// The closest hit of each ray: smallest `t`, then lowest number. On the threads of the pool that

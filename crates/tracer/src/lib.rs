@@ -11,6 +11,7 @@ mod leaf;
 mod order;
 mod packet;
 mod rows;
+mod scalar;
 mod single;
 mod slabs;
 
@@ -18,3 +19,4 @@ pub use build::{Builder, Leaves, RefitError, UnknownBuilder};
 pub use bvh::{Bvh, Statistics};
 pub use dispatch::{Tracing, Tree};
 pub use hit::TriangleHit;
+pub use scalar::{EveryTriangle, ScalarBvh};

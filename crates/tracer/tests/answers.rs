@@ -6,7 +6,9 @@ use common::{answers, brute_force, rays_of, traced, tree_by};
 use trisect_core::{Culling, Method, Ray, Triangle, Vec3};
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_oracle::Oracle;
-use trisect_tracer::{Builder, Bvh, Statistics, Tracing, Tree, TriangleHit};
+use trisect_tracer::{
+    Builder, Bvh, EveryTriangle, ScalarBvh, Statistics, Tracing, Tree, TriangleHit,
+};
 use trisect_wald::Wald;
 use trisect_watertight::Watertight;
 use trisect_workloads::{Aim, Mesh, Placement, Stress, Surface};
@@ -26,6 +28,28 @@ fn plain_tracing_finds_what_testing_every_triangle_finds() {
     agrees::<MollerTrumbore>("bunny", &bunny.triangles, &rays);
     agrees::<Wald>("bunny", &bunny.triangles, &rays);
     agrees::<Watertight>("bunny", &bunny.triangles, &rays);
+}
+
+#[test]
+fn one_at_a_time_and_without_a_tree_the_answers_are_the_same() {
+    fn check<M: Method>(triangles: &[Triangle<f32>], rays: &[Ray<f32>]) {
+        let all = brute_force::<M>(triangles, rays, Culling::None);
+        assert!(all.iter().flatten().count() > 100);
+        let scalar = ScalarBvh::<M>::build(triangles, Builder::Spatial).expect("it takes all");
+        let every = EveryTriangle::<M>::new(triangles).expect("it takes all");
+        for tree in [&scalar as &dyn Tree, &every] {
+            assert_eq!(traced(tree, Tracing::Plain, Culling::None, rays), all);
+        }
+    }
+    let triangles = Surface::sphere(3).triangles::<f32>(&Placement::HERE);
+    let rays: Vec<Ray<f32>> = (0..500)
+        .map(|i| {
+            let (x, y) = ((i % 25) as f32 / 6.0 - 2.0, (i / 25) as f32 / 5.0 - 2.0);
+            Ray::new([x, y, -9.0], [0.01 * y, -0.02 * x, 1.0])
+        })
+        .collect();
+    check::<MollerTrumbore>(&triangles, &rays);
+    check::<Wald>(&triangles, &rays);
 }
 
 /// Along axes, through lattice points: rays that lie in the sides of boxes.

@@ -1,0 +1,133 @@
+//! What the tracer's techniques are measured against: one number at a time, with a tree and without.
+
+use trisect_core::{
+    Culling, Deferred, Division, Early, Hit, Method, PreparedTriangles, Ray, Triangle,
+    TrueDivision, UnsuitableMesh, one_ray,
+};
+
+use crate::build::Builder;
+use crate::bvh::{Bvh, Statistics};
+use crate::dispatch::{Tracing, Tree, on_scalar_lanes};
+use crate::hit::TriangleHit;
+
+/// A tree whose boxes and triangles are tested one at a time, by the calling thread, in plain arithmetic,
+/// however it is asked to trace. Its answers are those of [`Tracing::Plain`].
+pub struct ScalarBvh<M: Method>(Bvh<M>);
+
+impl<M: Method> ScalarBvh<M> {
+    /// As [`Bvh::build`].
+    ///
+    /// # Errors
+    /// As [`Bvh::build`].
+    ///
+    /// # Panics
+    /// As [`Bvh::build`].
+    pub fn build(triangles: &[Triangle<f32>], builder: Builder) -> Result<Self, UnsuitableMesh> {
+        Ok(Self(Bvh::build(triangles, builder)?))
+    }
+}
+
+impl<M: Method> Tree for ScalarBvh<M> {
+    fn closest(
+        &self,
+        _: Tracing,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        found: &mut [Option<TriangleHit>],
+    ) {
+        on_scalar_lanes::<M, _>(&self.0, culling, rays, found);
+    }
+
+    fn any(&self, _: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
+        on_scalar_lanes::<M, _>(&self.0, culling, rays, found);
+    }
+
+    fn statistics(&self) -> Statistics {
+        self.0.statistics()
+    }
+}
+
+/// No tree at all: every ray is tested against every triangle, one at a time, by the calling thread.
+pub struct EveryTriangle<M: Method> {
+    triangles: PreparedTriangles<M, f32>,
+    count: usize,
+}
+
+impl<M: Method> EveryTriangle<M> {
+    /// Prepares the triangles, whose numbers are their places.
+    ///
+    /// # Errors
+    /// When the method cannot take the mesh.
+    ///
+    /// # Panics
+    /// When there are more than `u32::MAX − 1` triangles.
+    pub fn new(triangles: &[Triangle<f32>]) -> Result<Self, UnsuitableMesh> {
+        Ok(Self { triangles: PreparedTriangles::new(triangles)?, count: triangles.len() })
+    }
+
+    fn closest_of(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
+        // As in the tree.
+        if const { M::INFO.forms.deferred() } {
+            self.closest_by::<Deferred<TrueDivision, true>>(culling, ray)
+        } else {
+            self.closest_by::<Early<TrueDivision, true>>(culling, ray)
+        }
+    }
+
+    #[inline(always)]
+    fn closest_by<D: Division>(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
+        let mut best: Option<TriangleHit> = None;
+        one_ray::<M, f32, D>(
+            (),
+            ray,
+            &self.triangles,
+            culling,
+            #[inline(always)]
+            |tested, met, hit: Hit<f32>| {
+                let triangle = self.triangles.number(tested.triangle_place);
+                let nearer = best.is_none_or(|best| {
+                    hit.t < best.hit.t || hit.t == best.hit.t && triangle < best.triangle
+                });
+                if met && nearer {
+                    best = Some(TriangleHit { triangle, hit });
+                }
+            },
+        );
+        best
+    }
+}
+
+impl<M: Method> Tree for EveryTriangle<M> {
+    fn closest(
+        &self,
+        _: Tracing,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        found: &mut [Option<TriangleHit>],
+    ) {
+        assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
+        for (ray, found) in rays.iter().zip(found) {
+            *found = self.closest_of(culling, ray);
+        }
+    }
+
+    fn any(&self, _: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
+        assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
+        for (ray, found) in rays.iter().zip(found) {
+            *found = self.closest_of(culling, ray).is_some();
+        }
+    }
+
+    /// Of a tree without nodes.
+    fn statistics(&self) -> Statistics {
+        Statistics {
+            builder: Builder::Linear,
+            nodes: 0,
+            blocks: 0,
+            references: self.count,
+            depth: 0,
+            bytes: PreparedTriangles::<M, f32>::bytes_per_triangle() * self.count,
+            cost: self.count as f64,
+        }
+    }
+}
