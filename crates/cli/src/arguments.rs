@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use trisect_catalog::Builder;
+use trisect_render::Sampling;
 
 /// Compares ray–triangle intersection methods on this machine: error against run time.
 ///
@@ -41,6 +42,10 @@ pub(crate) enum Verb {
     Trace(Trace),
     /// Intersect rays with a mesh
     Query(Query),
+    /// Render a scene to a picture
+    Render(Render),
+    /// Study how fast pictures of the mirror scene are, and draw one of every feature
+    Pictures(Pictures),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -218,6 +223,33 @@ pub(crate) struct Study {
     pub json: bool,
 }
 
+/// Study how fast pictures of the mirror scene are: sizes and levels; threads, samples, lights, depth,
+/// leaves and tiles; and what a tree, SIMD, threads and the kernel gain over a plain tracer.
+///
+/// Prints tables, and adds the page pictures.html, with a picture of every feature, and the record
+/// pictures.jsonl to a report.
+#[derive(Debug, Args)]
+pub(crate) struct Pictures {
+    /// Methods that the fastest kernel is sought among, separated by commas; all if left out
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub methods: Vec<String>,
+    /// Seed of the order of samples
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Fewer samples, and no pictures of more than 600 rows
+    #[arg(long)]
+    pub quick: bool,
+    /// Threads, at most; all processors if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Folder of the report that the page is added to
+    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
+    pub output: PathBuf,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// A count, in digits or as `1e9`.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole and in range")]
 fn count(text: &str) -> Result<u64, String> {
@@ -296,6 +328,82 @@ pub(crate) struct Query {
     /// Test every triangle instead of those that a tree leaves; f64 and --division always do
     #[arg(long)]
     pub brute_force: bool,
+}
+
+/// Render a scene to a picture: after Whitted, with ambient occlusion, or by tracing paths.
+///
+/// The same scene, seed and settings give the same picture to the bit, for any number of threads and
+/// size of tiles.
+#[derive(Debug, Args)]
+pub(crate) struct Render {
+    /// Scene: TOML, glTF, OBJ with its materials, or a mesh alone (PLY, STL)
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// File for the picture: .png, or .exr for linear floats
+    #[arg(short, long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Pixels across; the scene says it if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub width: Option<u32>,
+    /// Pixels down; the scene says it if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub height: Option<u32>,
+    /// Camera of the scene, by its name or its number from 1
+    #[arg(long, value_name = "NAME", default_value = "1")]
+    pub camera: String,
+    /// How light is followed
+    #[arg(long, default_value = "whitted")]
+    pub mode: Light,
+    /// Samples of a pixel: grid:N, jittered:N and adaptive:N for N by N, circle:N for N
+    /// [default: adaptive:4; of paths jittered:8]
+    #[arg(long, value_name = "KIND:N")]
+    pub sampling: Option<Sampling>,
+    /// How often a ray may be reflected, refracted or scattered
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(..=1000))]
+    pub depth: u32,
+    /// What a ray must be able to add to be followed
+    #[arg(long, value_name = "X", default_value_t = 1.0 / 1024.0, value_parser = positive)]
+    pub cutoff: f32,
+    /// The first so many lights of the scene; all if left out
+    #[arg(long, value_name = "N")]
+    pub lights: Option<u16>,
+    /// Rays for ambient occlusion from each point; none if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub occlusion: Option<u32>,
+    /// What is farther away shuts out no ambient light
+    #[arg(long, value_name = "X", default_value_t = f32::INFINITY, value_parser = positive, requires = "occlusion")]
+    pub occlusion_distance: f32,
+    /// A method of `trisect list`
+    #[arg(long, value_name = "NAME", default_value = "moller-trumbore")]
+    pub method: String,
+    /// How trees are built: the quickest to build, or the fastest to trace
+    #[arg(long, value_name = "NAME", default_value_t, value_parser = builders())]
+    pub builder: Builder,
+    /// Seed of every random choice
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u32,
+    /// Pixels across and down of what one thread takes at a time
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub tile: u32,
+    /// Threads; all processors if left out
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A number from 0, which may be infinite.
+fn positive(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|x| *x >= 0.0).ok_or_else(|| "not a number from 0".to_owned())
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Light {
+    /// From the eye through mirrors and glass, and from each point to the lights
+    Whitted,
+    /// On random paths, whose mean is the picture
+    Paths,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

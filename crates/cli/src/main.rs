@@ -5,9 +5,11 @@ mod arguments;
 mod compare;
 mod list;
 mod output;
+mod pictures;
 mod progress;
 mod query;
 mod records;
+mod render;
 mod stress;
 mod study;
 mod tasks;
@@ -49,6 +51,8 @@ fn main() -> ExitCode {
         Some(Verb::Study(arguments)) => study::run(&arguments),
         Some(Verb::Trace(arguments)) => trace::run(&arguments),
         Some(Verb::Query(arguments)) => query::run(&arguments),
+        Some(Verb::Render(arguments)) => render::run(&arguments),
+        Some(Verb::Pictures(arguments)) => pictures::run(&arguments),
         Some(Verb::Completions { shell }) => output::print(|out| {
             // Into memory first: the generator panics where it cannot write.
             let mut script = Vec::new();

@@ -15,6 +15,13 @@ impl Bar {
     }
 }
 
+impl Bar {
+    /// As [`Progress::step`], from any thread.
+    pub(crate) fn advance(&self) {
+        self.0.inc(1);
+    }
+}
+
 impl Progress for Bar {
     fn phase(&mut self, name: &str, steps: u64) {
         self.0.set_message(name.to_owned());

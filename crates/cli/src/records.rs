@@ -68,6 +68,9 @@ pub(crate) fn report(arguments: &Report) -> Result<()> {
     if records.lines.iter().any(|line| matches!(line, Record::Stress(_))) {
         return publish_stress(&records, &arguments.output, arguments.json);
     }
+    if records.lines.iter().any(|line| matches!(line, Record::Frames(_))) {
+        return publish_pictures(&records, &arguments.output, arguments.json);
+    }
     if records.lines.iter().any(|line| matches!(line, Record::Traced(_))) {
         return publish_study(&records, &arguments.output, arguments.json);
     }
@@ -120,6 +123,15 @@ pub(crate) fn publish_study(records: &Records, folder: &Path, json: bool) -> Res
     Ok(())
 }
 
+/// Adds the page of the study of pictures to a report and prints its summary.
+pub(crate) fn publish_pictures(records: &Records, folder: &Path, json: bool) -> Result<()> {
+    let page = add(folder, || trisect_report::write_pictures_page(records, folder))?;
+    let summary = trisect_report::picture_summary(records);
+    show(&summary, &summary.to_text(COLUMNS), json)?;
+    eprintln!("\npage    {}", page.index.display());
+    Ok(())
+}
+
 /// Adds a page to a report. The pages that are there lead to the new one from now on.
 fn add(folder: &Path, write: impl FnOnce() -> Result<Page, PageError>) -> Result<Page> {
     let cannot_write = || format!("{}: cannot write the page", folder.display());
@@ -128,6 +140,7 @@ fn add(folder: &Path, write: impl FnOnce() -> Result<Page, PageError>) -> Result
         ("record.jsonl", "index.html", trisect_report::write_page as fn(&_, &_) -> _),
         ("stress.jsonl", "stress.html", trisect_report::write_stress_page),
         ("study.jsonl", "study.html", trisect_report::write_study_page),
+        ("pictures.jsonl", "pictures.html", trisect_report::write_pictures_page),
     ] {
         let record = folder.join(record);
         if record.exists() && folder.join(drawn) != page.index {

@@ -5,6 +5,7 @@ mod answers;
 pub mod file;
 pub mod machine;
 mod measure;
+mod pictures;
 pub mod record;
 mod stress;
 mod study;
@@ -12,6 +13,7 @@ mod subject;
 mod timing;
 
 pub use measure::{Progress, REFERENCE, Settings, Task, measure};
+pub use pictures::{PictureSettings, pictures};
 pub use stress::{StressSettings, stress};
 pub use study::{ClassOfRays, StudyError, StudySettings, classes_of_rays, keep_for_study, study};
 pub use timing::{WrongAnswer, nanoseconds};

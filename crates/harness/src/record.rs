@@ -8,10 +8,10 @@ use std::io::{BufRead, Write};
 use serde::{Deserialize, Serialize};
 
 /// The version of the schema that this build writes and reads.
-pub const SCHEMA: u32 = 4;
+pub const SCHEMA: u32 = 5;
 
 /// The oldest schema that this build reads: 2 added facts about methods, refusals and cracks, 3 the
-/// stability study, 4 the study of the tracer.
+/// stability study, 4 the study of the tracer, 5 pictures.
 const OLDEST: u64 = 1;
 
 /// One line of a record file.
@@ -56,6 +56,10 @@ pub enum Record {
     Tree(TreeBuilt),
     /// The time of rays through a tree.
     Traced(Traced),
+    /// The time of pictures of a scene.
+    Frames(Frames),
+    /// A picture to look at.
+    Picture(Picture),
 }
 
 /// Who measured, where and how.
@@ -682,6 +686,80 @@ pub struct Traced {
     /// rounds. Of [`Contest::Methods`] alone: in the others all lines of a class went in turn.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub baseline_ns: Vec<u64>,
+}
+
+/// What pictures are timed for: those of one series differ in one thing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FrameSeries {
+    /// The picture that the speed is wanted of: 640 by 480, one sample, one light, depth 16.
+    Goal,
+    /// Sizes of pictures, each from low to very hard.
+    Sizes,
+    /// Threads.
+    Threads,
+    /// Samples of a pixel.
+    Samples,
+    /// Lights.
+    Lights,
+    /// How often a ray may be reflected.
+    Depth,
+    /// When triangles become a leaf.
+    Leaves,
+    /// Sizes of tiles.
+    Tiles,
+    /// From a serial scalar tracer that tests every triangle, one technique after another.
+    Techniques,
+}
+
+/// The time of pictures of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frames {
+    /// What it is compared with.
+    pub series: FrameSeries,
+    /// What sets it apart from others of its series.
+    pub name: String,
+    /// The scene's name.
+    pub scene: String,
+    /// Name of the method.
+    pub method: String,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Samples of a pixel.
+    pub samples: u32,
+    /// How often a ray may be reflected.
+    pub depth: u32,
+    /// Lights.
+    pub lights: usize,
+    /// Threads that render.
+    pub threads: usize,
+    /// Pixels across and down of a tile.
+    pub tile: u32,
+    /// When triangles become a leaf: `cheapest`, or always up to `16` or `32`.
+    pub leaves: String,
+    /// Triangles of the scene.
+    pub triangles: usize,
+    /// Rays of a picture, the same in every sample.
+    pub rays: u64,
+    /// Nanoseconds of each picture, in the order measured.
+    pub samples_ns: Vec<u64>,
+}
+
+/// A picture to look at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Picture {
+    /// Its name.
+    pub name: String,
+    /// What is to be seen.
+    pub says: String,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// A PNG, in base64.
+    pub png: String,
 }
 
 /// Why a record file could not be read.

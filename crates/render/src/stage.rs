@@ -10,6 +10,8 @@ use trisect_core::{Triangle, UnsuitableMesh};
 use trisect_scene::{Instance, Light, Material, Scene};
 use trisect_tracer::{Statistics, Tree};
 
+use crate::surface::axes;
+
 /// What shading asks of every triangle.
 #[derive(Clone, Copy)]
 pub(crate) struct Facet {
@@ -103,6 +105,8 @@ pub struct Stage {
     pub(crate) placed: Vec<Placed>,
     /// Whether each material answers lights.
     pub(crate) lit: Vec<bool>,
+    /// Of each plane's texture.
+    pub(crate) plane_axes: Vec<[Vec3; 2]>,
     /// Whether each sphere, and each plane, casts shadows.
     pub(crate) casting: [Vec<bool>; 2],
 }
@@ -183,7 +187,8 @@ impl Stage {
             scene.spheres.iter().map(|sphere| casts(sphere.material)).collect(),
             scene.planes.iter().map(|plane| casts(plane.material)).collect(),
         ];
-        Ok(Self { scene, groups, placed, lit, casting })
+        let plane_axes = scene.planes.iter().map(axes).collect();
+        Ok(Self { scene, groups, placed, lit, plane_axes, casting })
     }
 
     /// The scene.

@@ -99,7 +99,11 @@ impl Stage {
         if let Some(texture) = described.texture {
             let at = match (target.what, inside) {
                 (Target::SPHERE, _) => around(front),
-                (Target::PLANE, _) => along(&self.scene.planes[number], position),
+                (Target::PLANE, _) => {
+                    let from = position - self.scene.planes[number].point;
+                    let [right, down] = self.plane_axes[number];
+                    Vec2::new(from.dot(right), from.dot(down))
+                }
                 (_, Some((group, weights))) if !group.coordinates.is_empty() => {
                     group.coordinates[number].at(weights)
                 }
@@ -189,15 +193,14 @@ fn around(normal: Vec3) -> Vec2 {
     Vec2::new(u, normal.y.clamp(-1.0, 1.0).acos() / PI)
 }
 
-/// Coordinates on a plane, in the world's units; on a floor they are x and z.
-fn along(plane: &Plane, position: Vec3) -> Vec2 {
-    let from = position - plane.point;
+/// The axes of coordinates on a plane, in the world's units; on a floor they are x and z.
+pub(crate) fn axes(plane: &Plane) -> [Vec3; 2] {
     let right = if plane.normal.y.abs() > 0.9 {
         Vec3::X.reject_from_normalized(plane.normal).normalize()
     } else {
         Vec3::Y.cross(plane.normal).normalize()
     };
-    Vec2::new(from.dot(right), -from.dot(plane.normal.cross(right)))
+    [right, right.cross(plane.normal)]
 }
 
 /// Light that comes back from a mirror, given the ray's direction and the normal towards its origin.

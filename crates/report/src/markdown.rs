@@ -7,6 +7,7 @@ use trisect_harness::record::{Records, Variant};
 
 use crate::format::{number, or_dash, scientific};
 use crate::havel;
+use crate::pictures;
 use crate::stress::findings;
 use crate::stress::markdown as stress;
 use crate::study::markdown as study;
@@ -31,7 +32,7 @@ pub enum SpliceError {
 type Write = fn(&View) -> String;
 
 /// What can be spliced: its name, and what writes it.
-const PARTS: [(&str, Write); 13] = [
+const PARTS: [(&str, Write); 16] = [
     ("methods", methods),
     ("havel", havel::page),
     ("stress-findings", findings::page),
@@ -45,6 +46,13 @@ const PARTS: [(&str, Write); 13] = [
     ("study-methods", |view| part(view, &study::methods(view), study::METHODS)),
     ("study-trees", |view| part(view, &study::trees(view), study::TREES)),
     ("study-threads", |view| part(view, &study::threads(view), study::THREADS)),
+    ("pictures-findings", pictures::markdown::findings),
+    ("pictures-sizes", |view| {
+        part(view, &pictures::markdown::sizes(view), pictures::markdown::SIZES)
+    }),
+    ("pictures-techniques", |view| {
+        part(view, &pictures::markdown::techniques(view), pictures::markdown::TECHNIQUES)
+    }),
 ];
 
 /// `document` with what stands between its markers made anew from a record.

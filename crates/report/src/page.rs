@@ -72,8 +72,11 @@ pub(crate) const STRESS_PAGE: &str = "stress.html";
 /// The page of a study of the tracer.
 pub(crate) const STUDY_PAGE: &str = "study.html";
 
+/// The page of a study of pictures.
+pub(crate) const PICTURES_PAGE: &str = "pictures.html";
+
 /// The pages of a report, as the others lead to them.
-const PAGES: [Link; 3] = [
+const PAGES: [Link; 4] = [
     Link {
         page: INDEX_PAGE,
         name: "The comparison",
@@ -89,6 +92,7 @@ const PAGES: [Link; 3] = [
         name: "In a ray tracer",
         says: "what every method is worth where rays are traced",
     },
+    Link { page: PICTURES_PAGE, name: "Pictures", says: "scenes rendered, and what they cost" },
 ];
 
 /// Where a page leads.
@@ -112,6 +116,18 @@ pub(crate) struct Study {
     pub(crate) heading: &'static str,
     pub(crate) findings: Vec<Finding>,
     pub(crate) tables: Vec<Titled>,
+    pub(crate) pictures: Vec<Shown>,
+}
+
+/// A picture on a page.
+#[derive(Serialize)]
+pub(crate) struct Shown {
+    pub(crate) name: String,
+    pub(crate) says: String,
+    pub(crate) width: u32,
+    pub(crate) height: u32,
+    /// A PNG, in base64.
+    pub(crate) png: String,
 }
 
 /// One of the answers at the head of a page.
@@ -142,6 +158,7 @@ struct StudyContext<'a> {
     findings: Vec<Finding>,
     figures: Vec<FigureOnPage>,
     tables: Vec<Titled>,
+    pictures: Vec<Shown>,
 }
 
 /// Draws the page of a study and its figures into a folder, beside the other pages of the report.
@@ -151,7 +168,7 @@ pub(crate) fn write_study(
     drawings: Vec<figures::Figure>,
     study: Study,
 ) -> Result<Page, PageError> {
-    let Study { page, title, heading, findings, tables } = study;
+    let Study { page, title, heading, findings, tables, pictures } = study;
     let links = links(folder, page);
     let fill_in = |figures| {
         render(
@@ -166,6 +183,7 @@ pub(crate) fn write_study(
                 findings,
                 figures,
                 tables,
+                pictures,
             },
         )
     };

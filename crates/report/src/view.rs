@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use trisect_harness::record::{
-    Agreement, ByCondition, Contract, Cracks, Decisions, Error, Family, FusedDifference, Header,
-    Limits, MethodFacts, Preparation, Quantiles, Record, Records, Refusal, SpecialValues,
-    StressFamily, SurfaceCracks, Throughput, Traced, TreeBuilt, Variant, Workload,
+    Agreement, ByCondition, Contract, Cracks, Decisions, Error, Family, Frames, FusedDifference,
+    Header, Limits, MethodFacts, Picture, Preparation, Quantiles, Record, Records, Refusal,
+    SpecialValues, StressFamily, SurfaceCracks, Throughput, Traced, TreeBuilt, Variant, Workload,
 };
 
 use crate::stats::{geometric_mean, median, ns_per_test};
@@ -100,6 +100,8 @@ pub(crate) struct View<'a> {
     pub(crate) special_values: Vec<&'a SpecialValues>,
     pub(crate) trees: Vec<&'a TreeBuilt>,
     pub(crate) traced: Vec<&'a Traced>,
+    pub(crate) frames: Vec<&'a Frames>,
+    pub(crate) pictures: Vec<&'a Picture>,
 }
 
 impl<'a> View<'a> {
@@ -127,6 +129,8 @@ impl<'a> View<'a> {
             special_values: Vec::new(),
             trees: Vec::new(),
             traced: Vec::new(),
+            frames: Vec::new(),
+            pictures: Vec::new(),
         };
         for line in &records.lines {
             match line {
@@ -158,6 +162,8 @@ impl<'a> View<'a> {
                 Record::SpecialValues(s) => view.special_values.push(s),
                 Record::Tree(t) => view.trees.push(t),
                 Record::Traced(t) => view.traced.push(t),
+                Record::Frames(f) => view.frames.push(f),
+                Record::Picture(p) => view.pictures.push(p),
             }
         }
         view.facts.sort_by(|a, b| a.year.cmp(&b.year).then(a.name.cmp(&b.name)));

@@ -16,6 +16,7 @@ mod toml_file;
 pub use camera::{Camera, Lens};
 pub use error::{SceneError, SceneProblem};
 pub use glam::{Affine3A, Vec2, Vec3};
+pub use load::SHIPPED;
 pub use mesh::Mesh;
 pub use model::{Color, Instance, Light, Material, Plane, Scene, Sphere, luminance};
 pub use texture::{Pixels, Texture};

@@ -14,6 +14,21 @@ use crate::{gltf_scene, obj, toml_file};
 /// Pixels of a picture where a file says nothing of it.
 pub(crate) const SIZE: [u32; 2] = [640, 480];
 
+/// The scenes of `data/scenes` with all files that they name, by their paths in `data`, so that they can
+/// be put where the program is.
+pub const SHIPPED: [(&str, &[u8]); 10] = [
+    ("meshes/teapot.ply", include_bytes!("../../../data/meshes/teapot.ply")),
+    ("scenes/block.mtl", include_bytes!("../../../data/scenes/block.mtl")),
+    ("scenes/block.obj", include_bytes!("../../../data/scenes/block.obj")),
+    ("scenes/bricks.png", include_bytes!("../../../data/scenes/bricks.png")),
+    ("scenes/glass.toml", include_bytes!("../../../data/scenes/glass.toml")),
+    ("scenes/lens.toml", include_bytes!("../../../data/scenes/lens.toml")),
+    ("scenes/mirror.toml", include_bytes!("../../../data/scenes/mirror.toml")),
+    ("scenes/room.toml", include_bytes!("../../../data/scenes/room.toml")),
+    ("scenes/teapots.toml", include_bytes!("../../../data/scenes/teapots.toml")),
+    ("scenes/textures.toml", include_bytes!("../../../data/scenes/textures.toml")),
+];
+
 impl Scene {
     /// Reads a scene: `.toml` as this crate's documentation describes it, `.gltf` and `.glb`, `.obj` with
     /// its materials, or a mesh alone (`.ply`, `.stl`). Where a file has no camera, one looks at all of

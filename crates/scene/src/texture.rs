@@ -34,10 +34,10 @@ pub enum Pixels {
 
 impl Texture {
     /// The colour at coordinates of the surface; v grows downwards in a picture, as in glTF.
+    #[inline]
     pub fn at(&self, coordinates: Vec2) -> Color {
         let at = coordinates * self.scale;
-        // Not `fract`, which may round up to 1.
-        let at = at - at.floor();
+        let at = at - Vec2::new(floor(at.x), floor(at.y));
         match &self.pixels {
             Pixels::Checker(colors) => colors[usize::from((at.x < 0.5) != (at.y < 0.5))],
             Pixels::Picture { width, height, colors } => {
@@ -80,6 +80,14 @@ impl Texture {
             .collect();
         Ok(Pixels::Picture { width: frame.width as usize, height: frame.height as usize, colors })
     }
+}
+
+/// As `f32::floor`, which is a call where a processor of 2003 must do; of what is beyond an i32 anything.
+#[allow(clippy::cast_possible_truncation, reason = "saturates")]
+#[inline]
+fn floor(x: f32) -> f32 {
+    let towards_zero = x as i32 as f32;
+    if towards_zero > x { towards_zero - 1.0 } else { towards_zero }
 }
 
 /// The two pixels that a coordinate from 0 to 1 lies between, and how near it is to the second.

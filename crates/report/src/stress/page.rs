@@ -24,6 +24,7 @@ pub fn write_stress_page(records: &Records, folder: &Path) -> Result<Page, PageE
         heading: "Stiff and extreme cases",
         findings: findings(&view, &of_view(&view)),
         tables: tables(&view),
+        pictures: Vec::new(),
     };
     write_study(&view, folder, figures::all(&view), study)
 }

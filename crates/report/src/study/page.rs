@@ -31,6 +31,7 @@ pub fn write_study_page(records: &Records, folder: &Path) -> Result<Page, PageEr
             ),
             table("threads", "Threads", markdown::THREADS, markdown::threads(&view)),
         ],
+        pictures: Vec::new(),
     };
     write_study(&view, folder, figures::all(&view), study)
 }

@@ -1,0 +1,45 @@
+//! `trisect pictures`: the study of pictures.
+
+use std::num::NonZero;
+
+use anyhow::Result;
+use trisect_harness::{PictureSettings, Settings};
+
+use crate::arguments::Pictures;
+use crate::compare::command;
+use crate::progress::Bar;
+use crate::{output, records, tasks};
+
+/// Studies, prints the summary, and adds page and record to the report.
+pub(crate) fn run(arguments: &Pictures) -> Result<()> {
+    let methods = tasks::methods(&arguments.methods)?;
+    output::check_folder(&arguments.output)?;
+    let rounds = if arguments.quick { 3 } else { 7 };
+    // Nothing is measured here but the machine: the record begins with its facts.
+    let settings = Settings {
+        command: command(),
+        seed: arguments.seed,
+        rounds,
+        methods: methods.clone(),
+        timed: false,
+    };
+    let mut bar = Bar::new();
+    let mut taken = trisect_harness::measure(&settings, [], &mut bar)?;
+    taken.lines.clear();
+    let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
+    let settings = PictureSettings {
+        seed: arguments.seed,
+        methods,
+        rounds,
+        threads: arguments.threads.map_or(processors, usize::from),
+        largest: if arguments.quick { 600 } else { u32::MAX },
+    };
+    taken.lines.extend(trisect_harness::pictures(&settings, &mut bar)?);
+    drop(bar);
+
+    let file = arguments.output.join("pictures.jsonl");
+    output::write_file(&file, |out| taken.write(out))?;
+    records::publish_pictures(&taken, &arguments.output, arguments.json)?;
+    eprintln!("record  {}", file.display());
+    Ok(())
+}

@@ -1,0 +1,212 @@
+//! `trisect render`: a picture of a scene.
+
+use std::io::{Cursor, Write};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use anyhow::{Context as _, Result, anyhow, bail};
+use serde::Serialize;
+use trisect_catalog::Tracing;
+use trisect_harness::{Progress as _, nanoseconds};
+use trisect_render::{ImageFormat, Mode, Occlusion, Renderer, Sampling, Settings, Stage, Watch};
+use trisect_scene::Scene;
+
+use crate::arguments::{Light, Render};
+use crate::progress::Bar;
+use crate::{output, tasks};
+
+/// Pixels of the largest picture: it takes 32 bytes a pixel while it is made.
+const LARGEST: u64 = 1 << 26;
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+struct Report {
+    scene: String,
+    picture: String,
+    width: u32,
+    height: u32,
+    mode: &'static str,
+    sampling: String,
+    depth: u32,
+    lights: usize,
+    method: String,
+    threads: usize,
+    /// In trees; what instances share counts once.
+    triangles: usize,
+    instances: usize,
+    /// Reading the scene, without the trees.
+    load_ns: u64,
+    build_ns: u64,
+    render_ns: u64,
+    primary_rays: u64,
+    secondary_rays: u64,
+    shadow_rays: u64,
+    million_rays_per_second: f64,
+}
+
+pub(crate) fn run(arguments: &Render) -> Result<()> {
+    let entry = tasks::method(&arguments.method)?;
+    let out = &arguments.out;
+    let format = ImageFormat::of(out).map_err(|error| anyhow!("{}: {error}", out.display()))?;
+    output::check_file_for(out, "--out")?;
+    let start = Instant::now();
+    let scene = Scene::load(&arguments.scene)?;
+    let load = start.elapsed();
+    let settings = settings(arguments, &scene)?;
+    let (lights, instances) = (scene.lights.len().min(settings.lights), scene.instances.len());
+
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads.map_or(0, usize::from))
+        .build()
+        .context("the system gives no threads; ask for fewer with --threads")?;
+    let start = Instant::now();
+    let stage = pool
+        .install(|| Stage::new(scene, |triangles| (entry.tree)(triangles, arguments.builder)))
+        .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.scene.display()))?;
+    let build = start.elapsed();
+
+    // Nothing is open while rays are traced: the system's own answer to an interrupt is the quickest,
+    // and leaves nothing behind.
+    let mut bar = Bar::new();
+    bar.phase("render", Renderer::tiles(&settings));
+    let watch = Watch { stop: &AtomicBool::new(false), tile: &|| bar.advance() };
+    let mut renderer = Renderer::new(&stage);
+    let start = Instant::now();
+    let image = pool.install(|| renderer.render(&settings, &watch))?;
+    let render = start.elapsed();
+    drop(bar);
+
+    let mut encoded = Cursor::new(Vec::new());
+    image
+        .write(format, &mut encoded)
+        .with_context(|| format!("{}: cannot write", out.display()))?;
+    output::write_file(out, |file| file.write_all(encoded.get_ref()))?;
+
+    let counts = renderer.counts();
+    let report = Report {
+        scene: shown(&arguments.scene),
+        picture: shown(out),
+        width: settings.size[0],
+        height: settings.size[1],
+        mode: match settings.mode {
+            Mode::Whitted { .. } => "whitted",
+            Mode::Paths => "paths",
+        },
+        sampling: settings.sampling.to_string(),
+        depth: settings.depth,
+        lights,
+        method: arguments.method.clone(),
+        threads: pool.current_num_threads(),
+        triangles: stage.triangles(),
+        instances,
+        load_ns: nanoseconds(load),
+        build_ns: nanoseconds(build),
+        render_ns: nanoseconds(render),
+        primary_rays: counts.primary,
+        secondary_rays: counts.secondary,
+        shadow_rays: counts.shadow,
+        million_rays_per_second: counts.total() as f64 / render.as_secs_f64() / 1e6,
+    };
+    output::print(|out| {
+        if arguments.json {
+            serde_json::to_writer(&mut *out, &report)?;
+            writeln!(out)
+        } else {
+            report.print(out)
+        }
+    })
+}
+
+fn shown(path: &Path) -> String {
+    path.display().to_string()
+}
+
+fn settings(arguments: &Render, scene: &Scene) -> Result<Settings> {
+    let size =
+        [arguments.width.unwrap_or(scene.size[0]), arguments.height.unwrap_or(scene.size[1])];
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    if pixels > LARGEST {
+        bail!(
+            "a picture of {} by {} pixels is too large; give at most {LARGEST} pixels with --width and \
+             --height",
+            size[0],
+            size[1]
+        );
+    }
+    let wanted = &arguments.camera;
+    let camera = scene
+        .cameras
+        .iter()
+        .position(|camera| camera.name == *wanted)
+        .or_else(|| wanted.parse().ok().and_then(|number: usize| number.checked_sub(1)))
+        .filter(|number| *number < scene.cameras.len());
+    let camera = camera.ok_or_else(|| {
+        let names: Vec<&str> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+        anyhow!(
+            "{}: no camera `{wanted}`; with --camera give a number from 1 to {}, or a name of {}",
+            arguments.scene.display(),
+            names.len(),
+            names.join(", ")
+        )
+    })?;
+    let (mode, usual) = match arguments.mode {
+        Light::Whitted => {
+            let occlusion = arguments
+                .occlusion
+                .map(|rays| Occlusion { rays, distance: arguments.occlusion_distance });
+            (Mode::Whitted { occlusion }, Sampling::Adaptive(4))
+        }
+        Light::Paths => (Mode::Paths, Sampling::Jittered(8)),
+    };
+    let sampling = arguments.sampling.unwrap_or(usual);
+    if mode == Mode::Paths && matches!(sampling, Sampling::Adaptive(_)) {
+        bail!("paths are not sampled adaptively; give grid, jittered or circle with --sampling");
+    }
+    if mode == Mode::Paths && arguments.occlusion.is_some() {
+        bail!("paths find what is occluded by themselves; leave out --occlusion or --mode paths");
+    }
+    Ok(Settings {
+        size,
+        camera,
+        sampling,
+        mode,
+        depth: arguments.depth,
+        cutoff: arguments.cutoff,
+        lights: arguments.lights.map_or(usize::MAX, usize::from),
+        seed: arguments.seed,
+        tile: arguments.tile,
+        tracing: Tracing::Single,
+    })
+}
+
+impl Report {
+    fn print(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        writeln!(
+            out,
+            "{}: {} triangles in trees, {} instances, {} lights\n\
+             built    {:.1} ms for {}\n\
+             rendered {:.1} ms, {} by {} pixels, {} {}, on {} thread(s)\n\
+             traced   {} rays ({} primary, {} secondary, {} to lights), {:.2} million/s\n\
+             picture  {}",
+            self.scene,
+            self.triangles,
+            self.instances,
+            self.lights,
+            self.build_ns as f64 / 1e6,
+            self.method,
+            self.render_ns as f64 / 1e6,
+            self.width,
+            self.height,
+            self.mode,
+            self.sampling,
+            self.threads,
+            self.primary_rays + self.secondary_rays + self.shadow_rays,
+            self.primary_rays,
+            self.secondary_rays,
+            self.shadow_rays,
+            self.million_rays_per_second,
+            self.picture,
+        )
+    }
+}
