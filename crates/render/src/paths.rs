@@ -10,7 +10,7 @@ use trisect_core::Ray;
 use crate::random::{Random, cosine_about};
 use crate::settings::Settings;
 use crate::stage::Stage;
-use crate::surface::{Target, reflected, refracted};
+use crate::surface::{Target, refracted};
 use crate::wave::{Carrying, Wave, chance};
 use crate::whitted::mirror;
 
@@ -106,6 +106,6 @@ fn about(axis: Vec3, exponent: f32, u: f32, v: f32) -> Vec3 {
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
     let (sin, cos) = (TAU * v).sin_cos();
     let (x, y) = axis.any_orthonormal_pair();
-    debug_assert!((reflected(axis, axis) + axis).length() < 1e-3, "of unit length");
+    debug_assert!(axis.is_normalized(), "directions have unit length");
     (x * cos + y * sin) * sine + axis * cosine
 }

@@ -9,8 +9,8 @@ use gltf::image::Source;
 use gltf::khr_lights_punctual::Kind;
 use gltf::{Semantic, texture};
 use trisect_core::Triangle;
+use trisect_workloads::MeshProblem;
 use trisect_workloads::mesh::GltfFile;
-use trisect_workloads::{MeshFormat, MeshProblem};
 
 use crate::camera::{Camera, Lens};
 use crate::error::{SceneError, SceneProblem};
@@ -23,7 +23,6 @@ const LUMINOUS_EFFICACY: f32 = 683.0;
 
 /// Reads a scene. Light of `KHR_lights_punctual`, in candela and lux, is divided by 683.
 pub(crate) fn load(path: &Path) -> Result<Scene, SceneError> {
-    debug_assert_eq!(MeshFormat::of(path), Some(MeshFormat::Gltf));
     let name = path.display().to_string();
     let bytes = std::fs::read(path)
         .map_err(|error| SceneProblem::Unreadable(error).of_file(name.as_str()))?;
