@@ -143,7 +143,7 @@ pub(crate) fn of_origins(rays: &[Ray<f32>]) -> Order {
         let column = whole((u - extent.min[0]) * to_column, columns);
         let row = whole((v - extent.min[1]) * to_row, rows);
         // To and fro, as some packets reach into the next row of tiles.
-        let column = if row % 2 == 0 { column } else { usize::from(TILES) - 1 - column };
+        let column = if row.is_multiple_of(2) { column } else { usize::from(TILES) - 1 - column };
         let tile = row * usize::from(TILES) + column;
         counts[tile] += 1;
         tile_of.push(tile);
