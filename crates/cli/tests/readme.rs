@@ -28,6 +28,7 @@ fn documents_are_spliced_from_their_record() {
         ("record.jsonl", &["README.md", "docs/HAVEL.md"][..]),
         ("stress.jsonl", &["docs/STABILITY.md", "docs/CONTRACT.md"]),
         ("study.jsonl", &["docs/TRACER.md"]),
+        ("pictures.jsonl", &["docs/PICTURES.md"]),
     ] {
         let file = std::fs::File::open(folder.join(record)).expect("the documents name it");
         let records = Records::read(std::io::BufReader::new(file)).expect("a sound record");
