@@ -1,10 +1,11 @@
 //! The wide tree as it is traversed: nodes of eight children, leaves of blocks of eight triangles.
 
 use prefetch_index::prefetch_index;
-use trisect_core::{Method, Of, Record as _};
+use trisect_core::{Lanes, Method, Of, Record as _, Vec3};
 
 use crate::bounds::Bounds;
 use crate::build::Builder;
+use crate::rows::load;
 
 /// Children of a node, and triangles of a block.
 pub(crate) const WIDTH: usize = 8;
@@ -27,7 +28,20 @@ pub(crate) struct Node {
 
 impl Node {
     pub(crate) const EMPTY: Self =
-        { Self { bounds: [[[f32::INFINITY; WIDTH]; 2]; 3], children: [LEAF; WIDTH] } };
+        Self { bounds: [[[f32::INFINITY; WIDTH]; 2]; 3], children: [LEAF; WIDTH] };
+
+    /// The coordinates, along each axis, of planes of as many boxes as there are lanes, from one on: those
+    /// where the boxes begin where `ends` is 0, and where they end where it is 1.
+    #[inline(always)]
+    pub(crate) fn planes<L: Lanes<Elem = f32>>(
+        &self,
+        token: L::Token,
+        ends: [usize; 3],
+        lane: usize,
+    ) -> Vec3<L> {
+        let [x, y, z] = &self.bounds;
+        load(token, [&x[ends[0] & 1], &y[ends[1] & 1], &z[ends[2] & 1]], lane)
+    }
 
     pub(crate) fn set(&mut self, lane: usize, bounds: &Bounds, child: u32) {
         for axis in 0..3 {
@@ -124,12 +138,6 @@ pub struct Statistics {
 }
 
 impl<M: Method> Bvh<M> {
-    /// Room for all children that may wait for a visit at a time, a power of two: seven for each node on
-    /// the way down.
-    pub(crate) fn room(&self) -> usize {
-        (self.depth * (WIDTH - 1) + WIDTH).next_power_of_two()
-    }
-
     /// Has a child fetched that will be visited.
     #[inline(always)]
     pub(crate) fn prefetch(&self, number: u32) {

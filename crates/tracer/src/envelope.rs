@@ -22,43 +22,18 @@ impl Octant {
         Self([usize::from(x < 0.0), usize::from(y < 0.0), usize::from(z < 0.0)])
     }
 
-    /// The ends of boxes along an axis, the nearer one first.
+    /// The coordinates of the nearer and of the farther planes of as many children's boxes as there are
+    /// lanes, from one on.
     #[inline(always)]
-    fn ends(self, node: &Node, axis: usize) -> [&[f32; WIDTH]; 2] {
-        let near = self.0[axis] & 1;
-        [&node.bounds[axis][near], &node.bounds[axis][near ^ 1]]
-    }
-
-    /// The coordinates of the nearer and of the farther planes of a child's box.
-    #[inline(always)]
-    pub(crate) fn planes(self, node: &Node, lane: usize) -> (Vec3<f32>, Vec3<f32>) {
-        let [x, y, z] = [self.ends(node, 0), self.ends(node, 1), self.ends(node, 2)];
-        (
-            Vec3::new(x[0][lane], y[0][lane], z[0][lane]),
-            Vec3::new(x[1][lane], y[1][lane], z[1][lane]),
-        )
-    }
-
-    /// Those of as many children as there are lanes, from one on.
-    #[inline(always)]
-    fn many_planes<L: Lanes<Elem = f32>>(
+    pub(crate) fn planes<L: Lanes<Elem = f32>>(
         self,
         token: L::Token,
         node: &Node,
         lane: usize,
     ) -> (Vec3<L>, Vec3<L>) {
-        let [x, y, z] = [self.ends(node, 0), self.ends(node, 1), self.ends(node, 2)];
-        let near = Vec3::new(
-            L::load(token, &x[0][lane..]),
-            L::load(token, &y[0][lane..]),
-            L::load(token, &z[0][lane..]),
-        );
-        let far = Vec3::new(
-            L::load(token, &x[1][lane..]),
-            L::load(token, &y[1][lane..]),
-            L::load(token, &z[1][lane..]),
-        );
-        (near, far)
+        let near = self.0;
+        let far = [near[0] ^ 1, near[1] ^ 1, near[2] ^ 1];
+        (node.planes(token, near, lane), node.planes(token, far, lane))
     }
 }
 
@@ -145,7 +120,7 @@ impl Envelope {
         let interval = (L::splat(token, self.tmin), L::splat(token, self.tmax));
         let (mut met, mut lane) = (0, 0);
         while lane < WIDTH {
-            let (near, far) = self.octant.many_planes::<L>(token, node, lane);
+            let (near, far) = self.octant.planes::<L>(token, node, lane);
             let (near, far) = (near - nearest, far - farthest);
             let near = Vec3::new(
                 least_product(near.x, small.x, large.x),

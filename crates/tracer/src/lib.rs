@@ -14,6 +14,7 @@ mod rows;
 mod scalar;
 mod single;
 mod slabs;
+mod waiting;
 
 pub use build::{Builder, Leaves, RefitError, UnknownBuilder};
 pub use bvh::{Bvh, Statistics};

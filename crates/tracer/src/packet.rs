@@ -14,12 +14,12 @@ use crate::envelope::Envelope;
 use crate::hit::Found;
 use crate::leaf::{end, test_leaf};
 use crate::rows::{RAYS, Rows, splat};
+use crate::waiting::{self, Stack};
 
 /// A child that waits for a packet.
 #[derive(Clone, Copy)]
 struct Waiting {
-    /// Where it begins at the nearest, in the upper half; its node and lane in the lower: so the order of
-    /// numbers is that of distances.
+    /// The [`key`](waiting::key) of its node and lane, with where it begins at the nearest.
     key: u64,
     /// The rays that have met its node.
     rays: u64,
@@ -41,7 +41,7 @@ pub(crate) fn in_packets<M, L, T, const ANY: bool, const ROBUST: bool>(
     T: Found,
 {
     let mut rows = Rows::EMPTY;
-    let mut waiting = vec![Waiting { key: 0, rays: 0 }; bvh.room()];
+    let mut items = vec![Waiting { key: 0, rays: 0 }; waiting::room(bvh.depth)];
     let mut start = 0;
     while start < rays.len() {
         let part = start..rays.len().min(start + RAYS);
@@ -60,7 +60,7 @@ pub(crate) fn in_packets<M, L, T, const ANY: bool, const ROBUST: bool>(
         while left != 0 {
             let envelope = Envelope::new::<L>(token, &rows, left);
             left &= !envelope.rays;
-            go::<M, L, ANY, ROBUST>(bvh, token, culling, &mut rows, envelope, &mut waiting);
+            go::<M, L, ANY, ROBUST>(bvh, token, culling, &mut rows, envelope, &mut items);
         }
         if numbers.is_empty() {
             for (found, best) in found[part.clone()].iter_mut().zip(&rows.best) {
@@ -83,46 +83,35 @@ fn go<M, L, const ANY: bool, const ROBUST: bool>(
     culling: Culling,
     rows: &mut Rows,
     mut envelope: Envelope,
-    waiting: &mut [Waiting],
+    items: &mut [Waiting],
 ) where
     M: Method,
     L: Lanes<Elem = f32>,
 {
-    // Its length is a power of two that the tree cannot exceed.
-    let mask = waiting.len() - 1;
+    let mut waiting = Stack::new(items);
     let mut distances = [0.0; WIDTH];
-    let (mut count, mut number, mut rays) = (0, 0, envelope.rays);
+    let (mut number, mut rays) = (0, envelope.rays);
     loop {
         let node = &bvh.nodes[number];
         let mut met = envelope.meet::<L>(token, node, &mut distances);
-        let base = count;
+        let base = waiting.count();
         while met != 0 {
             let lane = met.trailing_zeros() as usize % WIDTH;
             met &= met - 1;
             bvh.prefetch(node.children[lane]);
-            let key = u64::from(distances[lane].to_bits()) << 32 | (number * WIDTH + lane) as u64;
-            // By insertion: those that are nearer than the new one move up.
-            let mut place = count;
-            while place > base && waiting[(place - 1) & mask].key < key {
-                waiting[place & mask] = waiting[(place - 1) & mask];
-                place -= 1;
-            }
-            waiting[place & mask] = Waiting { key, rays };
-            count += 1;
+            #[allow(clippy::cast_possible_truncation, reason = "there are fewer nodes than blocks")]
+            let place = (number * WIDTH + lane) as u32;
+            let key = waiting::key(distances[lane], place);
+            waiting.insert(base, Waiting { key, rays }, |waiting| waiting.key);
         }
         loop {
-            if count == 0 {
-                return;
-            }
-            count -= 1;
-            let next = waiting[count & mask];
-            #[allow(clippy::cast_possible_truncation, reason = "the two halves")]
-            let (distance, place) = ((next.key >> 32) as u32, next.key as u32 as usize);
-            if f32::from_bits(distance) > envelope.tmax {
+            let Some(next) = waiting.pop() else { return };
+            if waiting::distance(next.key) > envelope.tmax {
                 continue;
             }
+            let place = waiting::place(next.key) as usize;
             let (node, lane) = (&bvh.nodes[place / WIDTH], place % WIDTH);
-            let (near, far) = envelope.octant.planes(node, lane);
+            let (near, far) = envelope.octant.planes::<f32>((), node, lane);
             let mut met = meet::<L, ROBUST>(token, rows, near, far, next.rays);
             if met == 0 {
                 continue;

@@ -62,8 +62,8 @@ impl Rows {
         let (mut some, mut at) = (0, 0);
         while at < RAYS {
             let ray = Ray {
-                o: load::<L>(token, &self.o, at),
-                d: load::<L>(token, &self.d, at),
+                o: load(token, self.o.each_ref(), at),
+                d: load(token, self.d.each_ref(), at),
                 tmin: L::load(token, &self.tmin[at..]),
                 tmax: L::load(token, &self.tmax[at..]),
             };
@@ -125,7 +125,10 @@ impl Rows {
     /// Of as many rays as there are lanes, from one on.
     #[inline(always)]
     pub(crate) fn many_slabs<L: Lanes<Elem = f32>>(&self, token: L::Token, at: usize) -> Slabs<L> {
-        Slabs { inverse: load(token, &self.inverse, at), start: load(token, &self.start, at) }
+        Slabs {
+            inverse: load(token, self.inverse.each_ref(), at),
+            start: load(token, self.start.each_ref(), at),
+        }
     }
 
     /// Their intervals.
@@ -141,17 +144,18 @@ impl Rows {
     /// Their origins.
     #[inline(always)]
     pub(crate) fn many_origins<L: Lanes<Elem = f32>>(&self, token: L::Token, at: usize) -> Vec3<L> {
-        load(token, &self.o, at)
+        load(token, self.o.each_ref(), at)
     }
 }
 
+/// A vector for each lane, from a place of three rows on.
 #[inline(always)]
-fn load<L: Lanes<Elem = f32>>(token: L::Token, rows: &[Row; 3], at: usize) -> Vec3<L> {
-    Vec3::new(
-        L::load(token, &rows[0][at..]),
-        L::load(token, &rows[1][at..]),
-        L::load(token, &rows[2][at..]),
-    )
+pub(crate) fn load<L: Lanes<Elem = f32>, const N: usize>(
+    token: L::Token,
+    [x, y, z]: [&[f32; N]; 3],
+    at: usize,
+) -> Vec3<L> {
+    Vec3::new(L::load(token, &x[at..]), L::load(token, &y[at..]), L::load(token, &z[at..]))
 }
 
 #[inline(always)]

@@ -1,14 +1,14 @@
 //! What the tracer's techniques are measured against: one number at a time, with a tree and without.
 
 use trisect_core::{
-    Culling, Deferred, Division, Early, Hit, Method, PreparedTriangles, Ray, Triangle,
-    TrueDivision, UnsuitableMesh, one_ray,
+    Culling, Deferred, Division, Early, Method, PreparedTriangles, Ray, Triangle, TrueDivision,
+    UnsuitableMesh, one_ray,
 };
 
 use crate::build::Builder;
 use crate::bvh::{Bvh, Statistics};
 use crate::dispatch::{Tracing, Tree, on_scalar_lanes};
-use crate::hit::TriangleHit;
+use crate::hit::{Found, NO_HIT, TriangleHit};
 
 /// A tree whose boxes and triangles are tested one at a time, by the calling thread, in plain arithmetic,
 /// however it is asked to trace. Its answers are those of [`Tracing::Plain`].
@@ -65,31 +65,32 @@ impl<M: Method> EveryTriangle<M> {
         Ok(Self { triangles: PreparedTriangles::new(triangles)?, count: triangles.len() })
     }
 
-    fn closest_of(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
-        // As in the tree.
-        if const { M::INFO.forms.deferred() } {
-            self.closest_by::<Deferred<TrueDivision, true>>(culling, ray)
-        } else {
-            self.closest_by::<Early<TrueDivision, true>>(culling, ray)
+    fn trace<T: Found>(&self, culling: Culling, rays: &[Ray<f32>], found: &mut [T]) {
+        assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
+        for (ray, found) in rays.iter().zip(found) {
+            // As in the tree.
+            let best = if const { M::INFO.forms.deferred() } {
+                self.closest::<Deferred<TrueDivision, true>>(culling, ray)
+            } else {
+                self.closest::<Early<TrueDivision, true>>(culling, ray)
+            };
+            *found = T::of(&best);
         }
     }
 
     #[inline(always)]
-    fn closest_by<D: Division>(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
-        let mut best: Option<TriangleHit> = None;
+    fn closest<D: Division>(&self, culling: Culling, ray: &Ray<f32>) -> TriangleHit {
+        let mut best = NO_HIT;
         one_ray::<M, f32, D>(
             (),
             ray,
             &self.triangles,
             culling,
             #[inline(always)]
-            |tested, met, hit: Hit<f32>| {
-                let triangle = self.triangles.number(tested.triangle_place);
-                let nearer = best.is_none_or(|best| {
-                    hit.t < best.hit.t || hit.t == best.hit.t && triangle < best.triangle
-                });
-                if met && nearer {
-                    best = Some(TriangleHit { triangle, hit });
+            |tested, met, hit| {
+                if met {
+                    let triangle = self.triangles.number(tested.triangle_place);
+                    best.improve(TriangleHit { triangle, hit });
                 }
             },
         );
@@ -105,17 +106,11 @@ impl<M: Method> Tree for EveryTriangle<M> {
         rays: &[Ray<f32>],
         found: &mut [Option<TriangleHit>],
     ) {
-        assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
-        for (ray, found) in rays.iter().zip(found) {
-            *found = self.closest_of(culling, ray);
-        }
+        self.trace(culling, rays, found);
     }
 
     fn any(&self, _: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
-        assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
-        for (ray, found) in rays.iter().zip(found) {
-            *found = self.closest_of(culling, ray).is_some();
-        }
+        self.trace(culling, rays, found);
     }
 
     /// Of a tree without nodes.

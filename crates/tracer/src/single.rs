@@ -2,14 +2,15 @@
 
 use std::hint::select_unpredictable;
 
-use trisect_core::{Culling, Lanes, Method, Ray, Vec3};
+use trisect_core::{Culling, Lanes, Method, Ray};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
 use crate::hit::Found;
 use crate::leaf::{end, test_leaf};
 use crate::rows::{RAYS, Rows};
+use crate::waiting::{self, Stack};
 
-/// What waits to be visited: the distance in the upper half, the child in the lower.
+/// A child that waits to be visited: the [`key`](waiting::key) of its number.
 type Waiting = u64;
 
 /// Rays that are on their way at the same time: while one waits for the outcome of its last test, the
@@ -26,7 +27,7 @@ struct Flight<'a> {
     /// turn again: by then they are known, and a branch on them that was predicted wrongly costs little.
     met: u64,
     distances: [f32; WIDTH],
-    waiting: Stack<'a>,
+    waiting: Stack<'a, Waiting>,
 }
 
 impl<'a> Flight<'a> {
@@ -44,7 +45,7 @@ impl<'a> Flight<'a> {
         }
         self.place = left.trailing_zeros() as usize;
         *left &= *left - 1;
-        self.waiting.count = 0;
+        self.waiting.clear();
         self.visit::<L, ROBUST>(token, rows, root);
         true
     }
@@ -62,17 +63,8 @@ impl<'a> Flight<'a> {
         self.met = 0;
         let mut lane = 0;
         while lane < WIDTH {
-            let [x, y, z] = &node.bounds;
-            let from = Vec3::new(
-                L::load(token, &x[0][lane..]),
-                L::load(token, &y[0][lane..]),
-                L::load(token, &z[0][lane..]),
-            );
-            let to = Vec3::new(
-                L::load(token, &x[1][lane..]),
-                L::load(token, &y[1][lane..]),
-                L::load(token, &z[1][lane..]),
-            );
+            let from = node.planes::<L>(token, [0; 3], lane);
+            let to = node.planes::<L>(token, [1; 3], lane);
             let (from, to) = slabs.cross_either_way::<ROBUST>(from, to, interval);
             self.met |= L::bits(from.le(to)) << lane;
             from.store(&mut self.distances[lane..]);
@@ -94,13 +86,13 @@ impl<'a> Flight<'a> {
         L: Lanes<Elem = f32>,
     {
         let current = if self.met != 0 {
-            self.waiting.descend::<ANY>(self.node, self.met, &self.distances)
+            descend::<ANY>(&mut self.waiting, self.node, self.met, &self.distances)
         } else {
             // What begins behind the best hit is not worth a visit any more.
             loop {
                 let Some(item) = self.waiting.pop() else { return true };
-                if ANY || distance(item) <= rows.tmax(self.place) {
-                    break low(item);
+                if ANY || waiting::distance(item) <= rows.tmax(self.place) {
+                    break waiting::place(item);
                 }
             }
         };
@@ -138,14 +130,15 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
 {
     let root = &bvh.nodes[0];
     let mut rows = Rows::EMPTY;
-    let mut items = vec![0; bvh.room() * IN_FLIGHT];
-    let mut parts = items.chunks_exact_mut(bvh.room());
+    let room = waiting::room(bvh.depth);
+    let mut items = vec![0; room * IN_FLIGHT];
+    let mut parts = items.chunks_exact_mut(room);
     let mut flights: [Flight<'_>; IN_FLIGHT] = std::array::from_fn(|_| Flight {
         place: 0,
         node: root,
         met: 0,
         distances: [0.0; WIDTH],
-        waiting: Stack { items: parts.next().expect("each has its room"), count: 0 },
+        waiting: Stack::new(parts.next().expect("each has its room")),
     });
     for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
         let mut left = rows.fill::<L, ROBUST>(token, rays.iter());
@@ -174,84 +167,48 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
     }
 }
 
-/// What waits to be visited. Its room is a power of two that the tree cannot exceed, so that a place
-/// is found by a mask.
-struct Stack<'a> {
-    items: &'a mut [Waiting],
-    count: usize,
-}
-
-impl Stack<'_> {
-    #[inline(always)]
-    fn push(&mut self, item: Waiting) {
-        let mask = self.items.len() - 1;
-        self.items[self.count & mask] = item;
-        self.count += 1;
+/// The child to visit next, of those that are met: the nearest, or any where that is all the same. The
+/// others wait, the nearer above the farther.
+#[inline(always)]
+fn descend<const ANY: bool>(
+    waiting: &mut Stack<'_, Waiting>,
+    node: &Node,
+    mut met: u64,
+    distances: &[f32; WIDTH],
+) -> u32 {
+    let first = lowest(met);
+    met &= met - 1;
+    if met == 0 {
+        return node.children[first];
     }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<Waiting> {
-        if self.count == 0 {
-            return None;
-        }
-        self.count -= 1;
-        let mask = self.items.len() - 1;
-        Some(self.items[self.count & mask])
-    }
-
-    /// The child to visit next, of those that are met: the nearest, or any where that is all the same.
-    /// The others wait, the nearer above the farther.
-    #[inline(always)]
-    fn descend<const ANY: bool>(
-        &mut self,
-        node: &Node,
-        mut met: u64,
-        distances: &[f32; WIDTH],
-    ) -> u32 {
-        let first = lowest(met);
-        met &= met - 1;
-        if met == 0 {
-            return node.children[first];
-        }
-        if ANY {
-            // In the order of the lanes: see the builder.
-            while met != 0 {
-                let last = met.ilog2() as usize % WIDTH;
-                self.push(u64::from(node.children[last]));
-                met ^= 1 << last;
-            }
-            return node.children[first];
-        }
-        // Two or three mostly, which is as hard to foretell as their order: so without branches.
-        let nearest = item(node, distances, first);
-        let second = item(node, distances, lowest(met));
-        met &= met - 1;
-        let third = select_unpredictable(met != 0, item(node, distances, lowest(met)), NOTHING);
-        met &= met.wrapping_sub(1);
-        let (nearest, second) = in_order(nearest, second);
-        let (second, third) = in_order(second, third);
-        let (mut nearest, second) = in_order(nearest, second);
-        let base = self.count;
-        let mask = self.items.len() - 1;
-        self.items[self.count & mask] = third;
-        self.count += usize::from(third != NOTHING);
-        self.push(second);
+    if ANY {
+        // In the order of the lanes: see the builder.
         while met != 0 {
-            let other = item(node, distances, lowest(met));
-            met &= met - 1;
-            // By insertion: those that are nearer than the new one move up.
-            let far = nearest.max(other);
-            nearest = nearest.min(other);
-            let mut place = self.count;
-            while place > base && self.items[(place - 1) & mask] < far {
-                self.items[place & mask] = self.items[(place - 1) & mask];
-                place -= 1;
-            }
-            self.items[place & mask] = far;
-            self.count += 1;
+            let last = met.ilog2() as usize % WIDTH;
+            waiting.push(u64::from(node.children[last]));
+            met ^= 1 << last;
         }
-        low(nearest)
+        return node.children[first];
     }
+    // Two or three mostly, which is as hard to foretell as their order: so without branches.
+    let nearest = item(node, distances, first);
+    let second = item(node, distances, lowest(met));
+    met &= met - 1;
+    let third = select_unpredictable(met != 0, item(node, distances, lowest(met)), NOTHING);
+    met &= met.wrapping_sub(1);
+    let (nearest, second) = in_order(nearest, second);
+    let (second, third) = in_order(second, third);
+    let (mut nearest, second) = in_order(nearest, second);
+    let base = waiting.count();
+    waiting.push_if(third != NOTHING, third);
+    waiting.push(second);
+    while met != 0 {
+        let other = item(node, distances, lowest(met));
+        met &= met - 1;
+        waiting.insert(base, nearest.max(other), |item| item);
+        nearest = nearest.min(other);
+    }
+    waiting::place(nearest)
 }
 
 /// No child: farther than all.
@@ -270,21 +227,8 @@ fn lowest(bits: u64) -> usize {
     bits.trailing_zeros() as usize % WIDTH
 }
 
-/// A child with its distance in front, so that numbers are in the order of distances: of those that are
-/// not negative; the others are near enough to be in any order.
+/// A child and where the ray enters it.
 #[inline(always)]
 fn item(node: &Node, distances: &[f32; WIDTH], lane: usize) -> Waiting {
-    u64::from(distances[lane].to_bits()) << 32 | u64::from(node.children[lane])
-}
-
-#[allow(clippy::cast_possible_truncation, reason = "the upper half")]
-#[inline(always)]
-fn distance(item: Waiting) -> f32 {
-    f32::from_bits((item >> 32) as u32)
-}
-
-#[allow(clippy::cast_possible_truncation, reason = "the lower half")]
-#[inline(always)]
-fn low(item: Waiting) -> u32 {
-    item as u32
+    waiting::key(distances[lane], node.children[lane])
 }
