@@ -17,11 +17,8 @@ pub(crate) fn run(arguments: &Compare) -> Result<()> {
     let planned = Plan::new(&arguments.measurement)?;
     output::check_folder(&arguments.output)?;
     let taken = planned.run()?;
-    let file = arguments.output.join("record.jsonl");
-    output::write_file(&file, |out| taken.write(out))?;
-    records::publish(&taken, &arguments.output, arguments.json)?;
-    eprintln!("record  {}", file.display());
-    Ok(())
+    let Compare { output, json, .. } = arguments;
+    records::keep(&taken, output, "record.jsonl", *json, records::publish)
 }
 
 /// Measures and writes the record.

@@ -51,11 +51,7 @@ pub(crate) fn run(arguments: &List) -> Result<()> {
         widths_f64: entries().first().map_or_else(Vec::new, |entry| widths(&entry.f64.finders)),
         instruction_sets: machine::instruction_sets().map(InstructionSet::name).collect(),
     };
-    output::print(|out| {
-        if arguments.json {
-            serde_json::to_writer(&mut *out, &listing)?;
-            return writeln!(out);
-        }
+    output::print_as(arguments.json, &listing, |out| {
         for method in &listing.methods {
             writeln!(
                 out,

@@ -5,6 +5,7 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use anyhow::{Context as _, Result, anyhow, bail};
+use serde::Serialize;
 
 /// Refuses a folder that cannot be written, before any work is done for it.
 pub(crate) fn check_folder(folder: &Path) -> Result<()> {
@@ -75,5 +76,21 @@ pub(crate) fn is_closed_pipe(error: &anyhow::Error) -> bool {
         cause
             .downcast_ref::<io::Error>()
             .is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+    })
+}
+
+/// Prints a value as JSON, or as text.
+pub(crate) fn print_as(
+    json: bool,
+    value: &impl Serialize,
+    text: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<()> {
+    print(|out| {
+        if json {
+            serde_json::to_writer(&mut *out, value)?;
+            writeln!(out)
+        } else {
+            text(out)
+        }
     })
 }

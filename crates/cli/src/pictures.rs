@@ -20,12 +20,11 @@ pub(crate) fn run(arguments: &Pictures) -> Result<()> {
         command: command(),
         seed: arguments.seed,
         rounds,
-        methods: methods.clone(),
+        methods: Vec::new(),
         timed: false,
     };
     let mut bar = Bar::new();
     let mut taken = trisect_harness::measure(&settings, [], &mut bar)?;
-    taken.lines.clear();
     let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
     let settings = PictureSettings {
         seed: arguments.seed,
@@ -37,9 +36,6 @@ pub(crate) fn run(arguments: &Pictures) -> Result<()> {
     taken.lines.extend(trisect_harness::pictures(&settings, &mut bar)?);
     drop(bar);
 
-    let file = arguments.output.join("pictures.jsonl");
-    output::write_file(&file, |out| taken.write(out))?;
-    records::publish_pictures(&taken, &arguments.output, arguments.json)?;
-    eprintln!("record  {}", file.display());
-    Ok(())
+    let Pictures { output, json, .. } = arguments;
+    records::keep(&taken, output, "pictures.jsonl", *json, records::publish_pictures)
 }

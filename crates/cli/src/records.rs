@@ -95,39 +95,56 @@ fn splice(records: &Records, documents: &[PathBuf]) -> Result<()> {
     Ok(())
 }
 
+/// What is made of a record: a page in a folder, and its summary, printed.
+pub(crate) type Publish = fn(&Records, &Path, bool) -> Result<()>;
+
+/// Writes a record that was taken for a report, and publishes it there.
+pub(crate) fn keep(
+    taken: &Records,
+    folder: &Path,
+    name: &str,
+    json: bool,
+    publish: Publish,
+) -> Result<()> {
+    let file = folder.join(name);
+    output::write_file(&file, |out| taken.write(out))?;
+    publish(taken, folder, json)?;
+    eprintln!("record  {}", file.display());
+    Ok(())
+}
+
 /// Writes the page and prints the summary.
 pub(crate) fn publish(records: &Records, folder: &Path, json: bool) -> Result<()> {
     let page = trisect_report::write_page(records, folder)
         .with_context(|| format!("{}: cannot write the page", folder.display()))?;
     let summary = trisect_report::summary(records);
-    show(&summary, &summary.to_text(COLUMNS), json)?;
-    eprintln!("\npage    {}", page.index.display());
-    Ok(())
+    tell(&page, &summary, &summary.to_text(COLUMNS), json)
 }
 
 /// Adds the page of the stability study to a report and prints its summary.
 pub(crate) fn publish_stress(records: &Records, folder: &Path, json: bool) -> Result<()> {
     let page = add(folder, || trisect_report::write_stress_page(records, folder))?;
     let summary = trisect_report::stress_summary(records);
-    show(&summary, &summary.to_text(COLUMNS), json)?;
-    eprintln!("\npage    {}", page.index.display());
-    Ok(())
+    tell(&page, &summary, &summary.to_text(COLUMNS), json)
 }
 
 /// Adds the page of the tracer's study to a report and prints its summary.
 pub(crate) fn publish_study(records: &Records, folder: &Path, json: bool) -> Result<()> {
     let page = add(folder, || trisect_report::write_study_page(records, folder))?;
     let summary = trisect_report::study_summary(records);
-    show(&summary, &summary.to_text(COLUMNS), json)?;
-    eprintln!("\npage    {}", page.index.display());
-    Ok(())
+    tell(&page, &summary, &summary.to_text(COLUMNS), json)
 }
 
 /// Adds the page of the study of pictures to a report and prints its summary.
 pub(crate) fn publish_pictures(records: &Records, folder: &Path, json: bool) -> Result<()> {
     let page = add(folder, || trisect_report::write_pictures_page(records, folder))?;
     let summary = trisect_report::picture_summary(records);
-    show(&summary, &summary.to_text(COLUMNS), json)?;
+    tell(&page, &summary, &summary.to_text(COLUMNS), json)
+}
+
+/// Prints a summary, and says where the page is.
+fn tell(page: &Page, summary: &impl Serialize, text: &str, json: bool) -> Result<()> {
+    show(summary, text, json)?;
     eprintln!("\npage    {}", page.index.display());
     Ok(())
 }
@@ -151,12 +168,5 @@ fn add(folder: &Path, write: impl FnOnce() -> Result<Page, PageError>) -> Result
 }
 
 fn show(value: &impl Serialize, text: &str, json: bool) -> Result<()> {
-    output::print(|out| {
-        if json {
-            serde_json::to_writer(&mut *out, value)?;
-            writeln!(out)
-        } else {
-            writeln!(out, "{}", text.trim_end())
-        }
-    })
+    output::print_as(json, value, |out| writeln!(out, "{}", text.trim_end()))
 }

@@ -108,14 +108,7 @@ pub(crate) fn run(arguments: &Render) -> Result<()> {
         shadow_rays: counts.shadow,
         million_rays_per_second: counts.total() as f64 / render.as_secs_f64() / 1e6,
     };
-    output::print(|out| {
-        if arguments.json {
-            serde_json::to_writer(&mut *out, &report)?;
-            writeln!(out)
-        } else {
-            report.print(out)
-        }
-    })
+    output::print_as(arguments.json, &report, |out| report.print(out))
 }
 
 fn shown(path: &Path) -> String {

@@ -58,9 +58,6 @@ pub(crate) fn run(arguments: &Stress) -> Result<()> {
     taken.lines.extend(trisect_harness::stress(&settings, &mut bar));
     drop(bar);
 
-    let file = arguments.output.join("stress.jsonl");
-    output::write_file(&file, |out| taken.write(out))?;
-    records::publish_stress(&taken, &arguments.output, arguments.json)?;
-    eprintln!("record  {}", file.display());
-    Ok(())
+    let Stress { output, json, .. } = arguments;
+    records::keep(&taken, output, "stress.jsonl", *json, records::publish_stress)
 }

@@ -56,9 +56,6 @@ pub(crate) fn run(arguments: &Study) -> Result<()> {
     taken.lines.extend(trisect_harness::study(&settings, &mut bar)?);
     drop(bar);
 
-    let file = arguments.output.join("study.jsonl");
-    output::write_file(&file, |out| taken.write(out))?;
-    records::publish_study(&taken, &arguments.output, arguments.json)?;
-    eprintln!("record  {}", file.display());
-    Ok(())
+    let Study { output, json, .. } = arguments;
+    records::keep(&taken, output, "study.jsonl", *json, records::publish_study)
 }

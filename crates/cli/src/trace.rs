@@ -97,14 +97,7 @@ pub(crate) fn run(arguments: &Trace) -> Result<()> {
     if let Some(file) = &arguments.out {
         output::write_file(file, |out| found.write(out))?;
     }
-    output::print(|out| {
-        if arguments.json {
-            serde_json::to_writer(&mut *out, &report)?;
-            writeln!(out)
-        } else {
-            report.print(out)
-        }
-    })
+    output::print_as(arguments.json, &report, |out| report.print(out))
 }
 
 fn sample(tree: &dyn Tree, rays: &[Ray<f32>], found: &mut Found) -> Duration {

@@ -404,8 +404,11 @@ impl Run<'_> {
         let steps = contenders.len() * (self.settings.rounds + 1);
         self.progress.phase(&format!("{}: timing", subject.workload.name), steps as u64);
         let progress = &mut *self.progress;
-        timing::rounds(&mut contenders, self.settings.rounds, &mut self.random, || {
+        let rounds = self.settings.rounds;
+        timing::rounds(&mut contenders, rounds, &mut self.random, |contender, timed| {
+            contender.sample(timed)?;
             progress.step();
+            Ok(())
         })?;
         self.ghz.push(machine::core_ghz());
         for (contender, group) in contenders.into_iter().zip(of_group) {

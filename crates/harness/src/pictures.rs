@@ -7,10 +7,9 @@ use std::time::Instant;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use rand::SeedableRng as _;
-use rand::seq::SliceRandom as _;
 use rand_pcg::Pcg64;
-use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use trisect_catalog::{Builder, Entry, Leaves, Tree, find};
+use rayon::ThreadPool;
+use trisect_catalog::{Builder, Entry, Leaves, Tree};
 use trisect_core::{Triangle, UnsuitableMesh};
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_render::{
@@ -22,8 +21,8 @@ use trisect_tracer::{EveryTriangle, ScalarBvh};
 use crate::Progress;
 use crate::measure::REFERENCE;
 use crate::record::{FrameSeries, Frames, Picture, Record};
-use crate::study::StudyError;
-use crate::timing::{WrongAnswer, nanoseconds};
+use crate::study::{StudyError, pool, reference, thread_counts};
+use crate::timing::{self, WrongAnswer, nanoseconds};
 
 /// What is studied, and how long.
 pub struct PictureSettings {
@@ -143,14 +142,6 @@ fn draw(renderer: &mut Renderer<'_>, settings: &Settings, pool: &ThreadPool) -> 
     pool.install(|| renderer.render(settings, &watch)).expect("nobody stops it")
 }
 
-fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
-    ThreadPoolBuilder::new().num_threads(threads).build()
-}
-
-fn reference() -> &'static Entry {
-    find(REFERENCE).expect("it is in the catalogue")
-}
-
 /// One sample, one light, depth 16.
 fn base(size: [u32; 2]) -> Settings {
     Settings { sampling: Sampling::Circle(1), lights: 1, depth: 16, ..Settings::new(size) }
@@ -188,15 +179,12 @@ impl Study<'_> {
 
     /// Times contenders in turn, in a new order each round.
     fn race(&mut self, contenders: &mut [Contender<'_>]) -> Result<(), WrongAnswer> {
-        let mut order: Vec<usize> = (0..contenders.len()).collect();
-        for _ in 0..=self.settings.rounds {
-            order.shuffle(&mut self.random);
-            for &place in &order {
-                contenders[place].sample()?;
-                self.progress.step();
-            }
-        }
-        Ok(())
+        let progress = &mut *self.progress;
+        timing::rounds(contenders, self.settings.rounds, &mut self.random, |contender, _| {
+            contender.sample()?;
+            progress.step();
+            Ok(())
+        })
     }
 
     /// What the speed depends on, one thing after another.
@@ -370,14 +358,6 @@ fn middle(samples: &[u64]) -> u64 {
     let mut sorted = samples.to_vec();
     sorted.sort_unstable();
     sorted.get(sorted.len() / 2).copied().unwrap_or(u64::MAX)
-}
-
-/// One, two, four and so on, and the most.
-fn thread_counts(most: usize) -> Vec<usize> {
-    let mut counts: Vec<usize> =
-        std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|&n| n < most).collect();
-    counts.push(most.max(1));
-    counts
 }
 
 /// Name, what is to be seen, scene and settings of each picture.

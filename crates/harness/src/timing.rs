@@ -66,20 +66,19 @@ impl Contender<'_> {
     }
 }
 
-/// Times every contender once per round, each round in a new random order, after one round of
-/// warming up. `after` is called after each sample, outside the timed section.
-pub(crate) fn rounds(
-    contenders: &mut [Contender<'_>],
+/// Takes a sample of every contender once per round, each round in a new random order, after one round of
+/// warming up; `sample` hears whether it counts.
+pub(crate) fn rounds<C>(
+    contenders: &mut [C],
     rounds: usize,
     random: &mut Pcg64,
-    mut after: impl FnMut(),
+    mut sample: impl FnMut(&mut C, bool) -> Result<(), WrongAnswer>,
 ) -> Result<(), WrongAnswer> {
     let mut order: Vec<usize> = (0..contenders.len()).collect();
     for round in 0..=rounds {
         order.shuffle(random);
         for &i in &order {
-            contenders[i].sample(round > 0)?;
-            after();
+            sample(&mut contenders[i], round > 0)?;
         }
     }
     Ok(())

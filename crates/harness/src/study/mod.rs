@@ -88,12 +88,12 @@ pub fn study(
     Ok(run.lines)
 }
 
-fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
+pub(crate) fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
     ThreadPoolBuilder::new().num_threads(threads).build()
 }
 
 /// The method that all are compared with.
-fn reference() -> &'static Entry {
+pub(crate) fn reference() -> &'static Entry {
     find(REFERENCE).expect("it is in the catalogue")
 }
 
@@ -336,7 +336,7 @@ impl Run<'_> {
 }
 
 /// One, two, four and so on, and the most.
-fn thread_counts(most: usize) -> Vec<usize> {
+pub(crate) fn thread_counts(most: usize) -> Vec<usize> {
     let mut counts: Vec<usize> =
         std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|&n| n < most).collect();
     counts.push(most.max(1));
