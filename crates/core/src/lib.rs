@@ -4,6 +4,7 @@
 mod collinear;
 mod cost;
 mod counting;
+mod decode;
 mod division;
 mod flushing;
 mod frame;
@@ -24,6 +25,7 @@ mod weights;
 
 pub use cost::{Cost, cost};
 pub use counting::{Counting, Ops, counted};
+pub use decode::decode;
 pub use division::{
     Culling, DecisionOnly, Deferred, Division, Early, Interval, Newton, Reciprocal, TrueDivision,
     seen,

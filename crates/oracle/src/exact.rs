@@ -6,26 +6,10 @@ use core::ops::{Add, Mul, Sub};
 use dashu_base::{Abs, Sign, UnsignedAbs};
 use dashu_int::IBig;
 use dashu_ratio::{RBig, Relaxed};
-use trisect_core::{Float, Ray, Triangle, Vec3};
+use trisect_core::{Float, Ray, Triangle, Vec3, decode};
 
 use crate::Condition;
 use crate::class::Class;
-
-/// A finite float as `mantissa · 2^exponent`; zero is `(0, 0)`.
-fn decode(x: f64) -> (i64, i32) {
-    let bits = x.to_bits();
-    let fraction = (bits & ((1 << 52) - 1)).cast_signed();
-    // Eleven bits always fit.
-    let biased = i32::try_from((bits >> 52) & 0x7ff).unwrap_or_default();
-    let (magnitude, exponent) =
-        if biased == 0 { (fraction, -1074) } else { (fraction | (1 << 52), biased - 1075) };
-    if magnitude == 0 {
-        return (0, 0);
-    }
-    let zeros = magnitude.trailing_zeros();
-    let mantissa = magnitude >> zeros;
-    (if x.is_sign_negative() { -mantissa } else { mantissa }, exponent + zeros.cast_signed())
-}
 
 /// Finite floats as integers times one common power of two.
 struct Scaled<const N: usize> {

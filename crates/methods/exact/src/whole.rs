@@ -2,26 +2,10 @@
 
 use core::cmp::Ordering;
 
-use trisect_core::{Ray, Triangle, Vec3};
+use trisect_core::{Ray, Triangle, Vec3, decode};
 
 use crate::integer::Integer;
 use crate::ladder::Outcome;
-
-/// A finite float as `mantissa · 2^exponent` with an odd mantissa; zero is `(0, 0)`.
-fn decode(x: f64) -> (i64, i32) {
-    let bits = x.to_bits();
-    let fraction = (bits & ((1 << 52) - 1)).cast_signed();
-    // Eleven bits always fit.
-    let biased = i32::try_from((bits >> 52) & 0x7ff).unwrap_or_default();
-    let (magnitude, exponent) =
-        if biased == 0 { (fraction, -1074) } else { (fraction | (1 << 52), biased - 1075) };
-    if magnitude == 0 {
-        return (0, 0);
-    }
-    let zeros = magnitude.trailing_zeros();
-    let mantissa = magnitude >> zeros;
-    (if x.is_sign_negative() { -mantissa } else { mantissa }, exponent + zeros.cast_signed())
-}
 
 /// The largest power of two that divides all of some numbers: of 1 where all are zero.
 fn unit(vectors: &[Vec3<f64>]) -> i32 {
