@@ -8,7 +8,7 @@ use minijinja::Environment;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use serde::Serialize;
-use trisect_harness::record::{Header, Records};
+use trisect_harness::record::{Header, Picture, Records};
 
 use crate::chart::{DrawError, Layout, draw};
 use crate::figures;
@@ -116,18 +116,7 @@ pub(crate) struct Study {
     pub(crate) heading: &'static str,
     pub(crate) findings: Vec<Finding>,
     pub(crate) tables: Vec<Titled>,
-    pub(crate) pictures: Vec<Shown>,
-}
-
-/// A picture on a page.
-#[derive(Serialize)]
-pub(crate) struct Shown {
-    pub(crate) name: String,
-    pub(crate) says: String,
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    /// A PNG, in base64.
-    pub(crate) png: String,
+    pub(crate) pictures: Vec<Picture>,
 }
 
 /// One of the answers at the head of a page.
@@ -158,7 +147,7 @@ struct StudyContext<'a> {
     findings: Vec<Finding>,
     figures: Vec<FigureOnPage>,
     tables: Vec<Titled>,
-    pictures: Vec<Shown>,
+    pictures: Vec<Picture>,
 }
 
 /// Draws the page of a study and its figures into a folder, beside the other pages of the report.

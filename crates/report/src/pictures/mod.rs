@@ -10,7 +10,7 @@ use trisect_harness::record::{FrameSeries, Frames, Records};
 
 pub use summary::{PictureSummary, Technique, TimedFrame, picture_summary};
 
-use crate::page::{PICTURES_PAGE, Page, PageError, Shown, Study, Titled, write_study};
+use crate::page::{PICTURES_PAGE, Page, PageError, Study, Titled, write_study};
 use crate::stats::median;
 use crate::view::View;
 
@@ -33,19 +33,12 @@ fn speed(frames: &Frames) -> Option<f64> {
 pub fn write_pictures_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
     let view = View::new(records);
     let table = |id, title, says, table| Titled { id, title, says, table };
-    let pictures = view.pictures.iter().map(|picture| Shown {
-        name: picture.name.clone(),
-        says: picture.says.clone(),
-        width: picture.width,
-        height: picture.height,
-        png: picture.png.clone(),
-    });
     let study = Study {
         page: PICTURES_PAGE,
         title: "Pictures, and what they cost",
         heading: "Pictures",
         findings: markdown::all_findings(&view),
-        pictures: pictures.collect(),
+        pictures: view.pictures.iter().copied().cloned().collect(),
         tables: vec![
             table(
                 "techniques",
