@@ -463,9 +463,9 @@ where
     }
     #[inline(always)]
     fn xor_sign(self, s: Self) -> Self {
-        Self::new(V::from_bits(
-            self.lanes.to_bits() ^ (s.lanes.to_bits() & <V::Element as Float>::SIGN),
-        ))
+        // Not by `to_bits` and `from_bits`, which may stay calls.
+        let (bits, signs): (V::Bits, V::Bits) = (self.lanes.bitcast(), s.lanes.bitcast());
+        Self::new((bits ^ (signs & <V::Element as Float>::SIGN)).bitcast())
     }
     // The instruction of x86 gives the second operand where either is NaN; that of other processors
     // does not.

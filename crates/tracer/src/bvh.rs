@@ -51,6 +51,16 @@ impl Node {
         self.children[lane] = child;
     }
 
+    /// Has it fetched.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self) {
+        // A cache line holds two rows.
+        prefetch_index(self.bounds[0][0].as_slice(), 0);
+        prefetch_index(self.bounds[1][0].as_slice(), 0);
+        prefetch_index(self.bounds[2][0].as_slice(), 0);
+        prefetch_index(self.children.as_slice(), 0);
+    }
+
     /// The box of a child.
     pub(crate) fn bounds_of(&self, lane: usize) -> Bounds {
         let corner = |row: usize| [0, 1, 2].map(|axis| self.bounds[axis][row][lane]);
@@ -65,6 +75,14 @@ pub(crate) struct Block<M: Method> {
     /// Their numbers.
     pub(crate) triangles: [u32; WIDTH],
 }
+
+impl<M: Method> Clone for Block<M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M: Method> Copy for Block<M> {}
 
 /// The number of a leaf.
 ///
@@ -137,48 +155,41 @@ pub struct Statistics {
     pub cost: f64,
 }
 
-impl<M: Method> Bvh<M> {
-    /// Has a child fetched that will be visited.
+impl<M: Method> Block<M> {
+    /// Has it fetched.
     #[inline(always)]
-    pub(crate) fn prefetch(&self, number: u32) {
-        match child(number) {
-            Child::Node(at) => {
-                // A cache line holds two rows.
-                let node = &self.nodes[at];
-                prefetch_index(node.bounds[0][0].as_slice(), 0);
-                prefetch_index(node.bounds[1][0].as_slice(), 0);
-                prefetch_index(node.bounds[2][0].as_slice(), 0);
-                prefetch_index(node.children.as_slice(), 0);
-            }
-            Child::Leaf(first, _) => {
-                let Some(block) = self.blocks.get(first) else { return };
-                M::Prepared::map(
-                    &block.prepared,
-                    #[inline(always)]
-                    |row: &[f32; WIDTH]| prefetch_index(row, 0),
-                );
-                prefetch_index(block.triangles.as_slice(), 0);
+    pub(crate) fn prefetch(&self) {
+        M::Prepared::map(
+            &self.prepared,
+            #[inline(always)]
+            |row: &[f32; WIDTH]| prefetch_index(row, 0),
+        );
+        prefetch_index(self.triangles.as_slice(), 0);
+    }
+}
+
+/// The expected cost of a ray that meets the root.
+fn cost(nodes: &[Node], bounds: &Bounds) -> f64 {
+    let whole = f64::from(bounds.half_area());
+    let mut cost = 1.0;
+    for node in nodes {
+        for lane in 0..WIDTH {
+            let share = f64::from(node.bounds_of(lane).half_area()) / whole;
+            if share.is_finite() {
+                cost += share
+                    * match child(node.children[lane]) {
+                        Child::Node(_) => 1.0,
+                        Child::Leaf(_, count) => count as f64,
+                    };
             }
         }
     }
+    cost
+}
 
+impl<M: Method> Bvh<M> {
     /// Facts about the tree.
     pub(crate) fn statistics_of(&self) -> Statistics {
-        let whole = f64::from(self.bounds.half_area());
-        let mut cost = 1.0;
-        for node in &self.nodes {
-            for lane in 0..WIDTH {
-                let bounds = node.bounds_of(lane);
-                let share = f64::from(bounds.half_area()) / whole;
-                if share.is_finite() {
-                    cost += share
-                        * match child(node.children[lane]) {
-                            Child::Node(_) => 1.0,
-                            Child::Leaf(_, count) => count as f64,
-                        };
-                }
-            }
-        }
         Statistics {
             builder: self.origin.builder,
             nodes: self.nodes.len(),
@@ -188,7 +199,7 @@ impl<M: Method> Bvh<M> {
             bytes: size_of_val(&self.nodes[..])
                 + size_of_val(&self.blocks[..])
                 + size_of_val(&self.groups[..]),
-            cost,
+            cost: cost(&self.nodes, &self.bounds),
         }
     }
 }

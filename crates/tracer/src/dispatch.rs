@@ -1,12 +1,12 @@
 //! Which lanes a batch of rays runs on: the best that the processor has, chosen once.
 
-use rayon::prelude::*;
 use trisect_core::{Culling, Fused, Lanes, Method, Plain, Ray, Token, Vector};
 
 use crate::bvh::{Bvh, Statistics};
-use crate::hit::{Found, TriangleHit};
+use crate::hit::{Found, NO_HIT, TriangleHit};
 use crate::order::{Order, TILE, of_origins, of_rows, row_length};
-use crate::packet::in_packets;
+use crate::packet::{LeavesOf, Whole, in_packets};
+use crate::parallel;
 use crate::single::singly;
 
 /// How a batch of rays is traced.
@@ -68,38 +68,67 @@ fn on_plain_lanes<J: Job>(job: J) -> J::Output {
 }
 
 /// Rays and where their hits go.
-struct Batch<'a, M: Method, T, const ANY: bool, const ROBUST: bool, const PACKETS: bool> {
+struct Batch<'a, M: Method, T, const ANY: bool, const ROBUST: bool> {
     bvh: &'a Bvh<M>,
     rays: &'a [Ray<f32>],
     order: Order,
-    culling: Culling,
     found: &'a mut [T],
 }
 
-impl<M, T, const ANY: bool, const ROBUST: bool, const PACKETS: bool> Job
-    for Batch<'_, M, T, ANY, ROBUST, PACKETS>
-where
-    M: Method,
-    T: Found,
+impl<M: Method, T: Found, const ANY: bool, const ROBUST: bool> Job
+    for Batch<'_, M, T, ANY, ROBUST>
 {
     type Output = ();
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
-        let Self { bvh, rays, order, culling, found } = self;
+        let Self { bvh, rays, order, found } = self;
+        match order {
+            Order::Packets(numbers) => {
+                let leaves = &LeavesOf::<M, L, ANY, ROBUST> { bvh, token };
+                let tree = Whole { nodes: &bvh.nodes, depth: bvh.depth, leaves };
+                in_packets::<L, T, ROBUST>(tree, token, rays, &numbers, found);
+            }
+            Order::Singly => token.run(
+                #[inline(always)]
+                || singly::<M, L, T, ANY, ROBUST>(bvh, token, Culling::None, rays, found),
+            ),
+        }
+    }
+}
+
+/// Rays that are traced as testing every triangle does. Whoever asks whether there is a hit gets the
+/// nearest: an instance less for every method.
+struct Plainly<'a, M: Method> {
+    bvh: &'a Bvh<M>,
+    culling: Culling,
+    rays: &'a [Ray<f32>],
+    found: &'a mut [TriangleHit],
+}
+
+impl<M: Method> Job for Plainly<'_, M> {
+    type Output = ();
+    // Out of line, since it is called from several places.
+    #[inline(never)]
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
+        let Self { bvh, culling, rays, found } = self;
         token.run(
             #[inline(always)]
-            || {
-                // Known when it is compiled, where nothing is culled or nothing goes together.
-                let culling = if ROBUST { culling } else { Culling::None };
-                match order {
-                    Order::Packets(numbers) if PACKETS => {
-                        in_packets::<M, L, T, ANY, ROBUST>(
-                            bvh, token, culling, rays, &numbers, found,
-                        );
-                    }
-                    _ => singly::<M, L, T, ANY, ROBUST>(bvh, token, culling, rays, found),
-                }
-            },
+            || singly::<M, L, _, false, true>(bvh, token, culling, rays, found),
         );
+    }
+}
+
+/// Traces in plain arithmetic, by a function of choice.
+fn plainly<M: Method, T: Found>(
+    bvh: &Bvh<M>,
+    culling: Culling,
+    rays: &[Ray<f32>],
+    found: &mut [T],
+    run: fn(Plainly<'_, M>),
+) {
+    let mut best = vec![NO_HIT; rays.len()];
+    run(Plainly { bvh, culling, rays, found: &mut best });
+    for (found, best) in found.iter_mut().zip(&best) {
+        *found = T::of(best);
     }
 }
 
@@ -111,8 +140,7 @@ pub(crate) fn on_scalar_lanes<M: Method, T: Found>(
     found: &mut [T],
 ) {
     assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
-    let order = Order::Singly;
-    Batch::<M, T, false, true, false> { bvh, rays, order, culling, found }.run::<f32>(());
+    plainly(bvh, culling, rays, found, |job| job.run::<f32>(()));
 }
 
 /// A tree over a mesh, whatever its method.
@@ -173,21 +201,20 @@ impl<M: Method> Bvh<M> {
         let together = fast && tracing == Tracing::Packets;
         let row = if together { row_length(rays) } else { None };
         let chunk = row.map_or(CHUNK, |row| CHUNK.next_multiple_of(TILE * row));
-        rays.par_chunks(chunk).zip(found.par_chunks_mut(chunk)).for_each(|(rays, found)| {
-            let order = match row {
-                Some(row) => of_rows(rays.len(), row),
-                None if together => of_origins(rays),
-                None => Order::Singly,
-            };
-            let rest = if fast { self.fast::<T, ANY>(rays, order, found) } else { Some(found) };
-            if let Some(found) = rest {
-                let order = Order::Singly;
-                // The nearest hit is one as well: one instance less.
-                let plain =
-                    Batch::<M, T, false, true, false> { bvh: self, rays, order, culling, found };
-                on_plain_lanes(plain);
-            }
-        });
+        let parts = rays.chunks(chunk).zip(found.chunks_mut(chunk));
+        parallel::all(parts.map(|(rays, found)| -> parallel::Task<'_> {
+            Box::new(move || {
+                let order = match row {
+                    Some(row) => of_rows(rays.len(), row),
+                    None if together => of_origins(rays),
+                    None => Order::Singly,
+                };
+                let rest = if fast { self.fast::<T, ANY>(rays, order, found) } else { Some(found) };
+                if let Some(found) = rest {
+                    plainly(self, culling, rays, found, |job| on_plain_lanes(job));
+                }
+            })
+        }));
     }
 
     /// Traces on fast lanes; gives the places back where the processor has none.
@@ -197,12 +224,11 @@ impl<M: Method> Bvh<M> {
         order: Order,
         found: &'a mut [T],
     ) -> Option<&'a mut [T]> {
-        let culling = Culling::None;
         if const { M::INFO.claims.watertight } {
-            let batch = Batch::<M, T, ANY, true, true> { bvh: self, rays, order, culling, found };
+            let batch = Batch::<M, T, ANY, true> { bvh: self, rays, order, found };
             on_fast_lanes(batch).err().map(|batch| batch.found)
         } else {
-            let batch = Batch::<M, T, ANY, false, true> { bvh: self, rays, order, culling, found };
+            let batch = Batch::<M, T, ANY, false> { bvh: self, rays, order, found };
             on_fast_lanes(batch).err().map(|batch| batch.found)
         }
     }

@@ -51,6 +51,14 @@ impl Found for Option<TriangleHit> {
     }
 }
 
+/// All of it, for who makes something else of it.
+impl Found for TriangleHit {
+    #[inline(always)]
+    fn of(best: &TriangleHit) -> Self {
+        *best
+    }
+}
+
 impl Found for bool {
     #[inline(always)]
     fn of(best: &TriangleHit) -> Self {

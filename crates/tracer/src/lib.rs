@@ -10,6 +10,7 @@ mod hit;
 mod leaf;
 mod order;
 mod packet;
+mod parallel;
 mod rows;
 mod scalar;
 mod single;

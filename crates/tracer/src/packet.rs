@@ -6,10 +6,11 @@
 //! Interactive Ray Tracing, 2008.
 
 use std::hint::select_unpredictable;
+use std::ops::Range;
 
-use trisect_core::{Culling, Lanes, Method, Ray, Vec3};
+use trisect_core::{Culling, Lanes, Method, Ray, Token as _, Vec3};
 
-use crate::bvh::{Bvh, Child, WIDTH, child};
+use crate::bvh::{Bvh, Child, Node, WIDTH, child};
 use crate::envelope::Envelope;
 use crate::hit::Found;
 use crate::leaf::{end, test_leaf};
@@ -25,23 +26,107 @@ struct Waiting {
     rays: u64,
 }
 
+/// The leaves of a tree, whatever their method: a packet is so long in a leaf that a call costs nothing,
+/// and the way through the nodes is compiled once.
+pub(crate) trait Leaves {
+    /// Has a leaf fetched that will be visited.
+    fn prefetch(&self, first: usize);
+
+    /// Tests its triangles for those rays; whether any of them has hit anything so far.
+    fn test(&self, rows: &mut Rows, rays: u64, blocks: Range<usize>) -> bool;
+}
+
+/// The leaves of a tree for [`Leaves`], tested on lanes of choice.
+pub(crate) struct LeavesOf<'a, M: Method, L: Lanes, const ANY: bool, const ROBUST: bool> {
+    pub(crate) bvh: &'a Bvh<M>,
+    pub(crate) token: L::Token,
+}
+
+impl<M, L, const ANY: bool, const ROBUST: bool> Leaves for LeavesOf<'_, M, L, ANY, ROBUST>
+where
+    M: Method,
+    L: Lanes<Elem = f32>,
+{
+    fn prefetch(&self, first: usize) {
+        if let Some(block) = self.bvh.blocks.get(first) {
+            block.prefetch();
+        }
+    }
+
+    fn test(&self, rows: &mut Rows, mut rays: u64, blocks: Range<usize>) -> bool {
+        let Self { bvh, token } = *self;
+        token.run(
+            #[inline(always)]
+            || {
+                let mut any = false;
+                while rays != 0 {
+                    let place = rays.trailing_zeros() as usize % RAYS;
+                    rays &= rays - 1;
+                    let (ray, best) = (rows.ray(place), &mut rows.best[place]);
+                    let blocks = blocks.clone();
+                    test_leaf::<M, L, ANY>(bvh, token, blocks, Culling::None, &ray, best);
+                    let is_hit = best.is_hit();
+                    any |= is_hit;
+                    let tmax = end::<ANY, ROBUST>(best);
+                    rows.end(place, select_unpredictable(is_hit, tmax, ray.tmax));
+                }
+                any
+            },
+        )
+    }
+}
+
+/// The nodes of a tree, and its leaves.
+#[derive(Clone, Copy)]
+pub(crate) struct Whole<'a> {
+    pub(crate) nodes: &'a [Node],
+    /// Nodes on the longest way down.
+    pub(crate) depth: usize,
+    pub(crate) leaves: &'a dyn Leaves,
+}
+
+impl Whole<'_> {
+    /// Has a child fetched that will be visited.
+    #[inline(always)]
+    fn prefetch(self, number: u32) {
+        match child(number) {
+            Child::Node(at) => self.nodes[at].prefetch(),
+            Child::Leaf(first, _) => self.leaves.prefetch(first),
+        }
+    }
+}
+
 /// As [`singly`](crate::single::singly), for rays that go together: in an order of choice, as they are
 /// where there are no `numbers`.
-#[inline(always)]
-pub(crate) fn in_packets<M, L, T, const ANY: bool, const ROBUST: bool>(
-    bvh: &Bvh<M>,
+pub(crate) fn in_packets<L, T, const ROBUST: bool>(
+    tree: Whole<'_>,
     token: L::Token,
-    culling: Culling,
     rays: &[Ray<f32>],
     numbers: &[u32],
     found: &mut [T],
 ) where
-    M: Method,
+    L: Lanes<Elem = f32>,
+    T: Found,
+{
+    token.run(
+        #[inline(always)]
+        || each_packet::<L, T, ROBUST>(tree, token, rays, numbers, found),
+    );
+}
+
+#[inline(always)]
+fn each_packet<L, T, const ROBUST: bool>(
+    tree: Whole<'_>,
+    token: L::Token,
+    rays: &[Ray<f32>],
+    numbers: &[u32],
+    found: &mut [T],
+) where
     L: Lanes<Elem = f32>,
     T: Found,
 {
     let mut rows = Rows::EMPTY;
-    let mut items = vec![Waiting { key: 0, rays: 0 }; waiting::room(bvh.depth)];
+    let mut items = vec![Waiting { key: 0, rays: 0 }; waiting::room(tree.depth)];
     let mut start = 0;
     while start < rays.len() {
         let part = start..rays.len().min(start + RAYS);
@@ -60,7 +145,7 @@ pub(crate) fn in_packets<M, L, T, const ANY: bool, const ROBUST: bool>(
         while left != 0 {
             let envelope = Envelope::new::<L>(token, &rows, left);
             left &= !envelope.rays;
-            go::<M, L, ANY, ROBUST>(bvh, token, culling, &mut rows, envelope, &mut items);
+            go::<L, ROBUST>(tree, token, &mut rows, envelope, &mut items);
         }
         if numbers.is_empty() {
             for (found, best) in found[part.clone()].iter_mut().zip(&rows.best) {
@@ -77,28 +162,24 @@ pub(crate) fn in_packets<M, L, T, const ANY: bool, const ROBUST: bool>(
 
 /// Takes the rays of an envelope through the tree.
 #[inline(always)]
-fn go<M, L, const ANY: bool, const ROBUST: bool>(
-    bvh: &Bvh<M>,
+fn go<L: Lanes<Elem = f32>, const ROBUST: bool>(
+    tree: Whole<'_>,
     token: L::Token,
-    culling: Culling,
     rows: &mut Rows,
     mut envelope: Envelope,
     items: &mut [Waiting],
-) where
-    M: Method,
-    L: Lanes<Elem = f32>,
-{
+) {
     let mut waiting = Stack::new(items);
     let mut distances = [0.0; WIDTH];
     let (mut number, mut rays) = (0, envelope.rays);
     loop {
-        let node = &bvh.nodes[number];
+        let node = &tree.nodes[number];
         let mut met = envelope.meet::<L>(token, node, &mut distances);
         let base = waiting.count();
         while met != 0 {
             let lane = met.trailing_zeros() as usize % WIDTH;
             met &= met - 1;
-            bvh.prefetch(node.children[lane]);
+            tree.prefetch(node.children[lane]);
             #[allow(clippy::cast_possible_truncation, reason = "there are fewer nodes than blocks")]
             let place = (number * WIDTH + lane) as u32;
             let key = waiting::key(distances[lane], place);
@@ -110,9 +191,9 @@ fn go<M, L, const ANY: bool, const ROBUST: bool>(
                 continue;
             }
             let place = waiting::place(next.key) as usize;
-            let (node, lane) = (&bvh.nodes[place / WIDTH], place % WIDTH);
+            let (node, lane) = (&tree.nodes[place / WIDTH], place % WIDTH);
             let (near, far) = envelope.octant.planes::<f32>((), node, lane);
-            let mut met = meet::<L, ROBUST>(token, rows, near, far, next.rays);
+            let met = meet::<L, ROBUST>(token, rows, near, far, next.rays);
             if met == 0 {
                 continue;
             }
@@ -122,19 +203,7 @@ fn go<M, L, const ANY: bool, const ROBUST: bool>(
                     break;
                 }
                 Child::Leaf(first, blocks) => {
-                    let mut any = false;
-                    while met != 0 {
-                        let place = met.trailing_zeros() as usize % RAYS;
-                        met &= met - 1;
-                        let (ray, best) = (rows.ray(place), &mut rows.best[place]);
-                        let blocks = first..first + blocks;
-                        test_leaf::<M, L, ANY>(bvh, token, blocks, culling, &ray, best);
-                        let is_hit = best.is_hit();
-                        any |= is_hit;
-                        let tmax = end::<ANY, ROBUST>(best);
-                        rows.end(place, select_unpredictable(is_hit, tmax, ray.tmax));
-                    }
-                    if any {
+                    if tree.leaves.test(rows, met, first..first + blocks) {
                         envelope.shorten::<L>(token, rows);
                     }
                 }

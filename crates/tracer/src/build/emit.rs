@@ -15,6 +15,11 @@ pub(crate) struct Members {
     pub(crate) group: u8,
 }
 
+impl Members {
+    /// No triangles.
+    pub(crate) const NOTHING: Self = Self { triangles: [u32::MAX; WIDTH], group: 0 };
+}
+
 /// Triangles of a leaf, at most.
 const LEAF: usize = Leaves::ThirtyTwo.blocks() * WIDTH;
 

@@ -20,9 +20,11 @@ use trisect_core::{Method, Triangle, UnsuitableMesh, rows};
 use self::corners::{Corners, Reference, number};
 use self::emit::{Kinds, Layout, Members};
 pub use self::refit::RefitError;
+use self::refit::fit_boxes;
 use self::spatial::Cuts;
 use crate::bounds::Bounds;
 use crate::bvh::{Block, Bvh, Origin, WIDTH};
+use crate::parallel::each;
 
 /// From so many references on, work is shared between threads: fewer are done before another thread
 /// would have begun.
@@ -156,7 +158,7 @@ impl<M: Method> Bvh<M> {
         let mut bvh = Self { nodes, blocks, groups, depth, bounds, origin };
         if unit != 1.0 {
             // Boxes were rounded when they were scaled.
-            bvh.fit_boxes(triangles, &members);
+            bvh.bounds = fit_boxes(&mut bvh.nodes, triangles, &members);
         }
         Ok(bvh)
     }
@@ -174,7 +176,7 @@ impl KindsOf {
         Ok(match M::mesh_group(triangles)? {
             Some(group) => Self::All(small(group)),
             None if const { M::GROUPS == 1 } => Self::All(0),
-            None => Self::Of(each(triangles, |triangle| small(M::group(triangle)))),
+            None => Self::Of(each(triangles, 0, |triangle| small(M::group(triangle)))),
         })
     }
 
@@ -183,15 +185,6 @@ impl KindsOf {
             Self::All(kind) => Kinds::All(*kind),
             Self::Of(kinds) => Kinds::Of(kinds),
         }
-    }
-}
-
-/// What is made of each, in order; by several threads where there are many.
-fn each<T: Sync, X: Send>(all: &[T], of: impl Fn(&T) -> X + Send + Sync) -> Vec<X> {
-    if all.len() < PARALLEL {
-        all.iter().map(of).collect()
-    } else {
-        all.par_iter().with_min_len(64).map(of).collect()
     }
 }
 
@@ -206,13 +199,15 @@ fn both<X: Send>(
 
 /// The blocks of a tree, and their kinds where the method tells kinds apart.
 fn blocks<M: Method>(triangles: &[Triangle<f32>], members: &[Members]) -> (Vec<Block<M>>, Vec<u8>) {
-    let blocks = each(members, |members: &Members| Block {
+    let block = |members: &Members| Block {
         prepared: rows::<M::Prepared, f32, WIDTH>(|lane| {
-            let triangle = &triangles[members.triangles[lane] as usize];
-            M::prepare(&triangle.or_nothing(), usize::from(members.group))
+            let triangle = triangles.get(members.triangles[lane] as usize);
+            let triangle = triangle.map_or(Triangle::nothing(), Triangle::or_nothing);
+            M::prepare(&triangle, usize::from(members.group))
         }),
         triangles: members.triangles,
-    });
+    };
+    let blocks = each(members, block(&Members::NOTHING), block);
     let groups =
         if M::GROUPS > 1 { members.iter().map(|members| members.group).collect() } else { vec![] };
     (blocks, groups)

@@ -4,8 +4,10 @@ use trisect_core::{Method, Triangle, UnsuitableMesh};
 
 use super::corners::Corners;
 use super::emit::{self, Kinds, Members, PLACES};
-use super::{KindsOf, blocks, each};
-use crate::bvh::{Bvh, Child, WIDTH, child, leaf};
+use super::{KindsOf, blocks};
+use crate::bounds::Bounds;
+use crate::bvh::{Block, Bvh, Child, Node, WIDTH, child, leaf};
+use crate::parallel::each;
 
 /// A tree cannot be fitted to these triangles: it has to be built anew.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -55,7 +57,7 @@ impl<M: Method> Bvh<M> {
         let kinds = KindsOf::new::<M>(triangles)?;
         let members = self.members(kinds.kinds());
         (self.blocks, self.groups) = blocks::<M>(triangles, &members);
-        self.fit_boxes(triangles, &members);
+        self.bounds = fit_boxes(&mut self.nodes, triangles, &members);
         Ok(())
     }
 
@@ -63,7 +65,8 @@ impl<M: Method> Bvh<M> {
     /// and leaves the number of their blocks.
     fn members(&mut self, kinds: Kinds<'_>) -> Vec<Members> {
         if let Kinds::All(group) = kinds {
-            return each(&self.blocks, |block| Members { triangles: block.triangles, group });
+            let members = |block: &Block<M>| Members { triangles: block.triangles, group };
+            return each(&self.blocks, Members::NOTHING, members);
         }
         let mut members = Vec::with_capacity(self.blocks.len());
         for node in &mut self.nodes {
@@ -83,36 +86,40 @@ impl<M: Method> Bvh<M> {
         }
         members
     }
+}
 
-    /// Computes all boxes from the triangles.
-    pub(super) fn fit_boxes(&mut self, triangles: &[Triangle<f32>], members: &[Members]) {
-        let boxes = each(members, |members: &Members| {
-            let mut corners = Corners::EMPTY;
-            for &number in &members.triangles {
-                let triangle = &triangles[number as usize];
-                if triangle.can_be_hit() {
-                    corners.add(&Corners::of_triangle(triangle));
-                }
-            }
-            corners
-        });
-        // What is below a node has higher numbers.
-        let mut of_nodes = vec![Corners::EMPTY; self.nodes.len()];
-        for at in (0..self.nodes.len()).rev() {
-            for lane in 0..WIDTH {
-                let number = self.nodes[at].children[lane];
-                let corners = match child(number) {
-                    // The root is below nothing: its number stands for no child.
-                    Child::Node(0) => continue,
-                    Child::Node(place) => of_nodes[place],
-                    Child::Leaf(first, count) => boxes[first..first + count]
-                        .iter()
-                        .fold(Corners::EMPTY, |all, corners| all.with(corners)),
-                };
-                of_nodes[at].add(&corners);
-                self.nodes[at].set(lane, &corners.bounds(), number);
+/// Computes all boxes from the triangles; the box around them.
+pub(super) fn fit_boxes(
+    nodes: &mut [Node],
+    triangles: &[Triangle<f32>],
+    members: &[Members],
+) -> Bounds {
+    let boxes = each(members, Corners::EMPTY, |members: &Members| {
+        let mut corners = Corners::EMPTY;
+        for &number in &members.triangles {
+            let triangle = &triangles[number as usize];
+            if triangle.can_be_hit() {
+                corners.add(&Corners::of_triangle(triangle));
             }
         }
-        self.bounds = of_nodes[0].bounds();
+        corners
+    });
+    // What is below a node has higher numbers.
+    let mut of_nodes = vec![Corners::EMPTY; nodes.len()];
+    for at in (0..nodes.len()).rev() {
+        for lane in 0..WIDTH {
+            let number = nodes[at].children[lane];
+            let corners = match child(number) {
+                // The root is below nothing: its number stands for no child.
+                Child::Node(0) => continue,
+                Child::Node(place) => of_nodes[place],
+                Child::Leaf(first, count) => boxes[first..first + count]
+                    .iter()
+                    .fold(Corners::EMPTY, |all, corners| all.with(corners)),
+            };
+            of_nodes[at].add(&corners);
+            nodes[at].set(lane, &corners.bounds(), number);
+        }
     }
+    of_nodes[0].bounds()
 }
