@@ -8,6 +8,7 @@ use crate::order::{Order, TILE, of_origins, of_rows, row_length};
 use crate::packet::{LeavesOf, Whole, in_packets};
 use crate::parallel;
 use crate::single::singly;
+use crate::walk::Counted;
 
 /// How a batch of rays is traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,6 +165,15 @@ pub trait Tree: Send + Sync {
     /// When there are fewer places in `found` than rays.
     fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]);
 
+    /// A ray's closest hit, and how many tests it takes to find it, one box and one triangle at a time.
+    /// The hit is that of [`Tracing::Plain`].
+    fn count(&self, ray: &Ray<f32>) -> Counted;
+
+    /// Visits the triangles that a ray may hit, near ones first and some of them several times: `visit`
+    /// gets the number of one, and says where the ray's interval ends from then on. None that the ray
+    /// truly hits before that end is left out.
+    fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32);
+
     /// Facts about the tree.
     fn statistics(&self) -> Statistics;
 }
@@ -181,6 +191,14 @@ impl<M: Method> Tree for Bvh<M> {
 
     fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
         self.batch::<_, true>(tracing, culling, rays, found);
+    }
+
+    fn count(&self, ray: &Ray<f32>) -> Counted {
+        self.counted(ray)
+    }
+
+    fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32) {
+        self.visit_candidates(ray, visit);
     }
 
     fn statistics(&self) -> Statistics {

@@ -16,9 +16,11 @@ mod scalar;
 mod single;
 mod slabs;
 mod waiting;
+mod walk;
 
 pub use build::{Builder, Leaves, RefitError, UnknownBuilder};
 pub use bvh::{Bvh, Statistics};
 pub use dispatch::{Tracing, Tree};
 pub use hit::TriangleHit;
 pub use scalar::{EveryTriangle, ScalarBvh};
+pub use walk::Counted;

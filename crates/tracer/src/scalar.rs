@@ -9,6 +9,7 @@ use crate::build::Builder;
 use crate::bvh::{Bvh, Statistics};
 use crate::dispatch::{Tracing, Tree, on_scalar_lanes};
 use crate::hit::{Found, NO_HIT, TriangleHit};
+use crate::walk::Counted;
 
 /// A tree whose boxes and triangles are tested one at a time, by the calling thread, in plain arithmetic,
 /// however it is asked to trace. Its answers are those of [`Tracing::Plain`].
@@ -40,6 +41,14 @@ impl<M: Method> Tree for ScalarBvh<M> {
 
     fn any(&self, _: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
         on_scalar_lanes::<M, _>(&self.0, culling, rays, found);
+    }
+
+    fn count(&self, ray: &Ray<f32>) -> Counted {
+        self.0.count(ray)
+    }
+
+    fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32) {
+        self.0.candidates(ray, visit);
     }
 
     fn statistics(&self) -> Statistics {
@@ -111,6 +120,18 @@ impl<M: Method> Tree for EveryTriangle<M> {
 
     fn any(&self, _: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
         self.trace(culling, rays, found);
+    }
+
+    fn count(&self, ray: &Ray<f32>) -> Counted {
+        let mut found = [None];
+        self.trace(Culling::None, &[*ray], &mut found);
+        Counted { found: found[0], nodes: 0, triangles: self.count }
+    }
+
+    fn candidates(&self, _: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32) {
+        for triangle in (0..).take(self.count) {
+            visit(triangle);
+        }
     }
 
     /// Of a tree without nodes.

@@ -170,7 +170,7 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
 /// The child to visit next, of those that are met: the nearest, or any where that is all the same. The
 /// others wait, the nearer above the farther.
 #[inline(always)]
-fn descend<const ANY: bool>(
+pub(crate) fn descend<const ANY: bool>(
     waiting: &mut Stack<'_, Waiting>,
     node: &Node,
     mut met: u64,
