@@ -127,22 +127,9 @@ fn settings(arguments: &Render, scene: &Scene) -> Result<Settings> {
             size[1]
         );
     }
-    let wanted = &arguments.camera;
     let camera = scene
-        .cameras
-        .iter()
-        .position(|camera| camera.name == *wanted)
-        .or_else(|| wanted.parse().ok().and_then(|number: usize| number.checked_sub(1)))
-        .filter(|number| *number < scene.cameras.len());
-    let camera = camera.ok_or_else(|| {
-        let names: Vec<&str> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
-        anyhow!(
-            "{}: no camera `{wanted}`; with --camera give a number from 1 to {}, or a name of {}",
-            arguments.scene.display(),
-            names.len(),
-            names.join(", ")
-        )
-    })?;
+        .camera(&arguments.camera)
+        .map_err(|unknown| anyhow!("{}: {unknown}", arguments.scene.display()))?;
     let (mode, usual) = match arguments.mode {
         Light::Whitted => {
             let occlusion = arguments

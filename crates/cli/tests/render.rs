@@ -104,8 +104,11 @@ fn what_cannot_be_rendered_is_refused_before_it_begins() {
             "render faulty.toml -o p.png",
             "faulty.toml: line 15: radius: is -1; write a finite number",
         ),
-        ("render scene.toml -o p.png --camera side", "scene.toml: no camera `side`; with --camera"),
-        ("render scene.toml -o p.png --camera 2", "scene.toml: no camera `2`; with --camera"),
+        ("render scene.toml -o p.png --camera side", "scene.toml: no camera `side`; give a number"),
+        (
+            "render scene.toml -o p.png --camera 2",
+            "scene.toml: no camera `2`; give a number from 1 to 1, or a",
+        ),
         ("render scene.toml -o p.png --method embree", "unknown method `embree`; `trisect list`"),
         (
             "render scene.toml -o p.png --mode paths --sampling adaptive:3",

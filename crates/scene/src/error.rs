@@ -41,6 +41,16 @@ pub enum SceneProblem {
     Mesh(MeshProblem),
 }
 
+/// A scene has no such camera.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no camera `{wanted}`; give a number from 1 to {}, or a name of {}", names.len(), names.join(", "))]
+pub struct UnknownCamera {
+    /// What was asked for.
+    pub wanted: String,
+    /// The names of those that there are.
+    pub names: Vec<String>,
+}
+
 impl From<MeshError> for SceneError {
     fn from(MeshError { file, problem }: MeshError) -> Self {
         Self { file, problem: SceneProblem::Mesh(problem) }

@@ -106,7 +106,12 @@ fn read_texture(
 ) -> Result<Texture, SceneProblem> {
     let place = format!("texture {}", texture.index());
     let faulty = |what: String| {
-        SceneProblem::faulty(place.as_str(), "source", what, "give a PNG beside the file or in it")
+        SceneProblem::faulty(
+            place.as_str(),
+            "source",
+            what,
+            "give a PNG or a JPEG beside the file or in it",
+        )
     };
     let pixels = match texture.source().source() {
         Source::View { view, .. } => {

@@ -14,7 +14,7 @@ mod texture;
 mod toml_file;
 
 pub use camera::{Camera, Lens};
-pub use error::{SceneError, SceneProblem};
+pub use error::{SceneError, SceneProblem, UnknownCamera};
 pub use glam::{Affine3A, Vec2, Vec3};
 pub use load::SHIPPED;
 pub use mesh::Mesh;

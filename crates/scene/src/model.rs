@@ -3,6 +3,7 @@
 use glam::{Affine3A, Vec3};
 
 use crate::camera::Camera;
+use crate::error::UnknownCamera;
 use crate::mesh::Mesh;
 use crate::texture::Texture;
 
@@ -47,6 +48,21 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The camera of that name, or of that number from 1.
+    ///
+    /// # Errors
+    /// When there is none; it says which there are.
+    pub fn camera(&self, wanted: &str) -> Result<usize, UnknownCamera> {
+        let named = self.cameras.iter().position(|camera| camera.name == wanted);
+        named
+            .or_else(|| wanted.parse().ok().and_then(|number: usize| number.checked_sub(1)))
+            .filter(|number| *number < self.cameras.len())
+            .ok_or_else(|| UnknownCamera {
+                wanted: wanted.to_owned(),
+                names: self.cameras.iter().map(|camera| camera.name.clone()).collect(),
+            })
+    }
+
     /// Radiance of what a ray of that direction, of unit length, meets that meets nothing.
     #[inline]
     pub fn sky(&self, direction: Vec3) -> Color {
@@ -97,7 +113,7 @@ impl Default for Material {
 }
 
 impl Material {
-    /// Whether light passes through. What is clear casts no shadow: rays to lights do not bend.
+    /// Whether light passes through. What is clear colours the light of lights, but does not bend it.
     pub fn is_clear(&self) -> bool {
         self.transmission != Vec3::ZERO
     }

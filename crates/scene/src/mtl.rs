@@ -75,7 +75,10 @@ pub(crate) fn load(path: &Path, scene: &mut Scene) -> Result<Vec<Material>, Scen
             }
             "map_Kd" => {
                 let pixels = Texture::load(&path.with_file_name(rest)).map_err(|problem| {
-                    fault(&format!("`{rest}`: {problem}"), "name a PNG beside the library")
+                    fault(
+                        &format!("`{rest}`: {problem}"),
+                        "name a PNG or a JPEG beside the library",
+                    )
                 })?;
                 material.texture = Some(scene.textures.len());
                 // v grows upwards in OBJ.

@@ -1,8 +1,13 @@
 //! Colours that vary over a surface.
 
+use std::fmt::Display;
+use std::io::Cursor;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
 
 use crate::error::SceneProblem;
 use crate::model::Color;
@@ -49,7 +54,7 @@ impl Texture {
         }
     }
 
-    /// Reads a PNG: grey or in colours, of 8 or 16 bits, sRGB. What it says of opacity is not used.
+    /// Reads a PNG or a JPEG: grey or in colours, sRGB. What it says of opacity is not used.
     pub(crate) fn load(path: &Path) -> Result<Pixels, SceneProblem> {
         let file = std::fs::read(path).map_err(SceneProblem::Unreadable)?;
         Self::decode(&file)
@@ -57,29 +62,47 @@ impl Texture {
 
     /// The same from memory.
     pub(crate) fn decode(bytes: &[u8]) -> Result<Pixels, SceneProblem> {
-        let faulty = |what: &dyn std::fmt::Display| SceneProblem::Faulty {
-            place: "picture".to_owned(),
-            field: "PNG".to_owned(),
-            what: what.to_string(),
-            mend: "save it as PNG".to_owned(),
-        };
-        let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
-        decoder.set_transformations(png::Transformations::normalize_to_color8());
-        let mut reader = decoder.read_info().map_err(|error| faulty(&error))?;
-        let size = reader.output_buffer_size().ok_or_else(|| faulty(&"too large"))?;
-        let mut buffer = vec![0; size];
-        let frame = reader.next_frame(&mut buffer).map_err(|error| faulty(&error))?;
-        let samples = frame.color_type.samples();
-        let colors = buffer[..frame.buffer_size()]
-            .chunks_exact(samples)
-            .map(|pixel| match pixel {
-                [red, green, blue, ..] => Vec3::new(linear(*red), linear(*green), linear(*blue)),
-                [grey, ..] => Vec3::splat(linear(*grey)),
-                [] => Vec3::ZERO,
-            })
-            .collect();
-        Ok(Pixels::Picture { width: frame.width as usize, height: frame.height as usize, colors })
+        if bytes.starts_with(&JPEG) { decode_jpeg(bytes) } else { decode_png(bytes) }
     }
+}
+
+/// How every JPEG begins.
+const JPEG: [u8; 3] = [0xff, 0xd8, 0xff];
+
+fn faulty(what: &dyn Display) -> SceneProblem {
+    SceneProblem::faulty("picture", "PNG or JPEG", what.to_string(), "save it anew")
+}
+
+fn decode_png(bytes: &[u8]) -> Result<Pixels, SceneProblem> {
+    let mut decoder = png::Decoder::new(Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info().map_err(|error| faulty(&error))?;
+    let size = reader.output_buffer_size().ok_or_else(|| faulty(&"too large"))?;
+    let mut buffer = vec![0; size];
+    let frame = reader.next_frame(&mut buffer).map_err(|error| faulty(&error))?;
+    let size = [frame.width as usize, frame.height as usize];
+    Ok(picture(size, &buffer[..frame.buffer_size()], frame.color_type.samples()))
+}
+
+fn decode_jpeg(bytes: &[u8]) -> Result<Pixels, SceneProblem> {
+    let options = DecoderOptions::default().jpeg_set_out_colorspace(ColorSpace::RGB);
+    let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), options);
+    let buffer = decoder.decode().map_err(|error| faulty(&error))?;
+    let (width, height) = decoder.dimensions().ok_or_else(|| faulty(&"it has no size"))?;
+    Ok(picture([width, height], &buffer, 3))
+}
+
+/// From sRGB of so many bytes a pixel.
+fn picture([width, height]: [usize; 2], bytes: &[u8], samples: usize) -> Pixels {
+    let colors = bytes
+        .chunks_exact(samples)
+        .map(|pixel| match pixel {
+            [red, green, blue, ..] => Vec3::new(linear(*red), linear(*green), linear(*blue)),
+            [grey, ..] => Vec3::splat(linear(*grey)),
+            [] => Vec3::ZERO,
+        })
+        .collect();
+    Pixels::Picture { width, height, colors }
 }
 
 /// As `f32::floor`, which is a call where a processor of 2003 must do; of what is beyond an i32 anything.
@@ -130,9 +153,30 @@ mod tests {
         assert_eq!([at(0.5, 0.25), at(0.0, 0.25), at(0.5, 0.5)], [0.5, 0.5, 0.4375]);
     }
 
+    /// Three fields of one colour each, as large as the blocks of the format.
     #[test]
-    fn what_is_no_png_is_refused() {
-        let error = Texture::decode(b"JFIF").expect_err("no PNG");
-        assert!(error.to_string().contains("PNG"), "{error}");
+    fn a_jpeg_is_read_as_it_was_written() {
+        const FIELDS: [[u8; 3]; 3] = [[200, 30, 40], [128, 128, 128], [20, 60, 250]];
+        let row = FIELDS.iter().flat_map(|field| field.repeat(16));
+        let pixels: Vec<u8> = row.collect::<Vec<u8>>().repeat(16);
+        let mut file = Vec::new();
+        let encoder = jpeg_encoder::Encoder::new(&mut file, 100);
+        encoder.encode(&pixels, 48, 16, jpeg_encoder::ColorType::Rgb).expect("it is written");
+        let pixels = Texture::decode(&file).expect("a JPEG");
+        let Pixels::Picture { width, height, colors } = &pixels else { panic!("a picture") };
+        assert_eq!((*width, *height, colors.len()), (48, 16, 48 * 16));
+        for (place, field) in FIELDS.iter().enumerate() {
+            let expected = Vec3::from(field.map(linear));
+            let found = colors[5 * 48 + place * 16 + 8];
+            assert!((found - expected).abs().max_element() < 0.02, "{found} {expected}");
+        }
+        let error = Texture::decode(&file[..200]).expect_err("it is cut off");
+        assert!(error.to_string().starts_with("picture: PNG or JPEG: "), "{error}");
+    }
+
+    #[test]
+    fn what_is_no_picture_is_refused() {
+        let error = Texture::decode(b"GIF89a").expect_err("no PNG");
+        assert!(error.to_string().ends_with("; save it anew"), "{error}");
     }
 }

@@ -410,7 +410,7 @@ impl Reader<'_> {
                 let path = folder.join(file.get_ref());
                 Texture::load(&path).map_err(|problem| {
                     let what = format!("`{}`: {problem}", file.get_ref());
-                    self.fault(&file.span(), "file", &what, "name a PNG beside the scene")
+                    self.fault(&file.span(), "file", &what, "name a PNG or a JPEG beside the scene")
                 })?
             }
             (None, Some(checker)) => {
