@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use glam::{Affine3A, Mat3A, Vec2, Vec3};
 use trisect_core::{Triangle, UnsuitableMesh};
-use trisect_scene::{Instance, Light, Material, Scene};
+use trisect_scene::{Camera, Instance, Light, Material, Scene};
 use trisect_tracer::{Statistics, Tree};
 
 use crate::surface::axes;
@@ -109,6 +109,8 @@ pub struct Stage {
     pub(crate) plane_axes: Vec<[Vec3; 2]>,
     /// Whether each sphere, and each plane, casts shadows.
     pub(crate) casting: [Vec<bool>; 2],
+    /// Whether light may go through anything.
+    pub(crate) has_clear: bool,
 }
 
 /// What instances have in common that may share a tree.
@@ -131,7 +133,8 @@ struct Gathered {
 }
 
 impl Stage {
-    /// Puts the triangles of a scene into trees, with what builds a tree over triangles.
+    /// Puts the triangles of a scene into trees, with what builds a tree over triangles; it is called for
+    /// one tree after another, in the order of their numbers.
     ///
     /// # Errors
     /// When the method cannot take the triangles.
@@ -187,13 +190,23 @@ impl Stage {
             scene.spheres.iter().map(|sphere| casts(sphere.material)).collect(),
             scene.planes.iter().map(|plane| casts(plane.material)).collect(),
         ];
+        let has_clear = casting.iter().flatten().any(|casts: &bool| !casts)
+            || placed.iter().any(|placed| !placed.casts_shadow);
         let plane_axes = scene.planes.iter().map(axes).collect();
-        Ok(Self { scene, groups, placed, lit, plane_axes, casting })
+        Ok(Self { scene, groups, placed, lit, plane_axes, casting, has_clear })
     }
 
     /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// One of the scene's cameras, to be moved.
+    ///
+    /// # Panics
+    /// When there is no such camera.
+    pub fn camera_mut(&mut self, number: usize) -> &mut Camera {
+        &mut self.scene.cameras[number]
     }
 
     /// The first of the scene's lights, so many at most.

@@ -159,25 +159,37 @@ pub(crate) fn off_surface(point: Vec3, normal: Vec3) -> Vec3 {
     Vec3::new(moved(point.x, normal.x), moved(point.y, normal.y), moved(point.z, normal.z))
 }
 
-/// Where a ray of unit direction meets a sphere within an interval; infinite where it does not.
+/// Where the line of a ray of unit direction enters and leaves a sphere.
 ///
 /// Haines, Günther, Akenine-Möller: Precision Improvements for Ray/Sphere Intersection. Ray Tracing Gems,
 /// chapter 7, 2019.
 #[inline]
-pub(crate) fn meet_sphere(sphere: &Sphere, o: Vec3, d: Vec3, tmax: f32) -> f32 {
+fn cross_sphere(sphere: &Sphere, o: Vec3, d: Vec3) -> Option<[f32; 2]> {
     let from = o - sphere.center;
     let b = -from.dot(d);
     let squared = sphere.radius * sphere.radius;
     let nearest = from + d * b;
     let discriminant = squared - nearest.length_squared();
     if discriminant.is_nan() || discriminant < 0.0 {
-        return f32::INFINITY;
+        return None;
     }
     let q = b + discriminant.sqrt().copysign(b);
     let other = (from.length_squared() - squared) / q;
-    let (first, last) = if b > 0.0 { (other, q) } else { (q, other) };
+    Some(if b > 0.0 { [other, q] } else { [q, other] })
+}
+
+/// Where a ray of unit direction meets a sphere within an interval; infinite where it does not.
+#[inline]
+pub(crate) fn meet_sphere(sphere: &Sphere, o: Vec3, d: Vec3, tmax: f32) -> f32 {
+    let Some([first, last]) = cross_sphere(sphere, o, d) else { return f32::INFINITY };
     let t = if first > 0.0 { first } else { last };
     if t > 0.0 && t < tmax { t } else { f32::INFINITY }
+}
+
+/// How often a ray of unit direction goes through a sphere's surface within an interval.
+pub(crate) fn crossings(sphere: &Sphere, o: Vec3, d: Vec3, tmax: f32) -> usize {
+    let ends = cross_sphere(sphere, o, d);
+    ends.into_iter().flatten().filter(|&t| t > 0.0 && t < tmax).count()
 }
 
 /// Where a ray meets a plane within an interval; infinite where it does not.
@@ -271,6 +283,10 @@ mod tests {
         assert_eq!(meet(sphere.center, f32::INFINITY), 2.0);
         assert_eq!(meet(Vec3::new(0.0, 0.0, -8.0), f32::INFINITY), f32::INFINITY);
         assert_eq!(meet(Vec3::new(2.1, 0.0, 0.0), f32::INFINITY), f32::INFINITY);
+        let count = |o, tmax| crossings(&sphere, o, Vec3::NEG_Z, tmax);
+        assert_eq!([2.5, 3.5, 7.5].map(|tmax| count(Vec3::ZERO, tmax)), [0, 1, 2]);
+        assert_eq!(count(sphere.center, f32::INFINITY), 1);
+        assert_eq!(count(Vec3::new(2.1, 0.0, 0.0), f32::INFINITY), 0);
     }
 
     #[test]

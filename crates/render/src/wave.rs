@@ -9,7 +9,7 @@ use trisect_tracer::{Tracing, TriangleHit};
 
 use crate::settings::{Mode, Settings};
 use crate::stage::{Carried, Stage};
-use crate::surface::{Target, meet_plane, meet_sphere};
+use crate::surface::{Target, crossings, meet_plane, meet_sphere};
 
 /// How many rays were traced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -146,7 +146,8 @@ impl Wave {
         self.next_carrying.push(Carrying { slot, weight });
     }
 
-    /// A ray that adds its weight to a sample if nothing casts a shadow within a distance.
+    /// A ray that adds its weight to a sample if nothing casts a shadow within a distance; of what is clear
+    /// on the way, what it lets through.
     #[inline]
     pub(crate) fn push_shadow(
         &mut self,
@@ -230,6 +231,9 @@ impl Wave {
                 }
             }
         }
+        if stage.has_clear {
+            self.shine_through(stage, tracing);
+        }
         for (carrying, dark) in self.shadow_carrying.iter().zip(&self.is_dark) {
             if !dark {
                 self.radiance[carrying.slot as usize] += carrying.weight;
@@ -238,11 +242,60 @@ impl Wave {
         self.shadow_rays.clear();
         self.shadow_carrying.clear();
     }
+
+    /// Weakens the light that goes through what is clear, at each surface by its transmission.
+    fn shine_through(&mut self, stage: &Stage, tracing: Tracing) {
+        let Self { shadow_rays, shadow_carrying, is_dark, found, carried, which, .. } = self;
+        for ((ray, carrying), dark) in
+            shadow_rays.iter_mut().zip(&mut *shadow_carrying).zip(&*is_dark)
+        {
+            if *dark {
+                ray.tmax = f32::NEG_INFINITY;
+            } else {
+                carrying.weight *= passed_simply(stage, ray);
+            }
+        }
+        for placed in stage.placed.iter().filter(|placed| !placed.casts_shadow) {
+            let group = &stage.groups[placed.group];
+            match &placed.carried {
+                None => {
+                    let lit = (0_u32..).zip(&*shadow_rays).filter(|(_, ray)| ray.tmax > ray.tmin);
+                    (*which, *carried) = lit.unzip();
+                }
+                Some(place) => carry(place, shadow_rays, carried, which),
+            }
+            // From surface to surface, until no ray meets another.
+            while !carried.is_empty() {
+                found.resize(carried.len(), None);
+                group.tree.closest(tracing, Culling::None, carried, found);
+                let mut left = 0;
+                for at in 0..carried.len() {
+                    let Some(found) = found[at] else { continue };
+                    let facet = &group.facets[found.triangle as usize];
+                    let weight = &mut shadow_carrying[which[at] as usize].weight;
+                    *weight *= stage.scene.materials[facet.material as usize].transmission;
+                    if *weight != Vec3::ZERO {
+                        carried[left] = Ray { tmin: behind(found.hit.t), ..carried[at] };
+                        which[left] = which[at];
+                        left += 1;
+                    }
+                }
+                carried.truncate(left);
+                which.truncate(left);
+            }
+        }
+    }
+}
+
+/// What is behind a hit: so far that rounding does not find the same surface again, or its neighbour over
+/// the edge.
+fn behind(t: f32) -> f32 {
+    t * (1.0 + 4.0 * f32::EPSILON) + f32::MIN_POSITIVE
 }
 
 /// The nearest sphere or plane; the ray's interval ends there.
 #[inline]
-fn nearest_simple(stage: &Stage, ray: &mut Ray<f32>) -> Target {
+pub(crate) fn nearest_simple(stage: &Stage, ray: &mut Ray<f32>) -> Target {
     let (o, d) = (Vec3::from(ray.o), Vec3::from(ray.d));
     let mut target = Target::NONE;
     for (number, sphere) in (0_u32..).zip(&stage.scene.spheres) {
@@ -273,22 +326,47 @@ fn is_blocked_simply(stage: &Stage, ray: &Ray<f32>) -> bool {
         || planes.any(|(plane, casts)| *casts && meet_plane(plane, o, d, ray.tmax) < ray.tmax)
 }
 
-/// Carries those rays to a group's space that meet its box: distances stay as they are.
-fn carry(place: &Carried, rays: &[Ray<f32>], carried: &mut Vec<Ray<f32>>, which: &mut Vec<u32>) {
-    carried.clear();
+/// What clear spheres and planes leave of a ray's light.
+fn passed_simply(stage: &Stage, ray: &Ray<f32>) -> Color {
+    let (o, d) = (Vec3::from(ray.o), Vec3::from(ray.d));
+    let [spheres, planes] = &stage.casting;
+    let transmission = |material: usize| stage.scene.materials[material].transmission;
+    let mut left = Vec3::ONE;
+    for (sphere, _) in stage.scene.spheres.iter().zip(spheres).filter(|(_, casts)| !**casts) {
+        for _ in 0..crossings(sphere, o, d, ray.tmax) {
+            left *= transmission(sphere.material);
+        }
+    }
+    for (plane, _) in stage.scene.planes.iter().zip(planes).filter(|(_, casts)| !**casts) {
+        if meet_plane(plane, o, d, ray.tmax) < ray.tmax {
+            left *= transmission(plane.material);
+        }
+    }
+    left
+}
+
+/// Carries those rays to a group's space that meet its box.
+fn carry(place: &Carried, rays: &[Ray<f32>], out: &mut Vec<Ray<f32>>, which: &mut Vec<u32>) {
+    out.clear();
     which.clear();
     for (number, ray) in (0_u32..).zip(rays) {
-        let (o, d) = (Vec3::from(ray.o), Vec3::from(ray.d));
-        if meets_box(place.bounds, o, d, ray.tmax) {
-            carried.push(Ray {
-                o: place.to_object.transform_point3(o).into(),
-                d: place.to_object.transform_vector3(d).into(),
-                tmin: ray.tmin,
-                tmax: ray.tmax,
-            });
+        if let Some(ray) = carried(place, ray) {
+            out.push(ray);
             which.push(number);
         }
     }
+}
+
+/// A ray in a group's space, if it meets its box: distances stay as they are.
+#[inline]
+pub(crate) fn carried(place: &Carried, ray: &Ray<f32>) -> Option<Ray<f32>> {
+    let (o, d) = (Vec3::from(ray.o), Vec3::from(ray.d));
+    meets_box(place.bounds, o, d, ray.tmax).then(|| Ray {
+        o: place.to_object.transform_point3(o).into(),
+        d: place.to_object.transform_vector3(d).into(),
+        tmin: ray.tmin,
+        tmax: ray.tmax,
+    })
 }
 
 /// Whether a ray may meet a box; never wrong where it says no. Widened as the tracer's own tests are.

@@ -7,9 +7,10 @@ mod common;
 use std::f32::consts::PI;
 
 use common::{at, render, scene, stage};
+use trisect_core::Triangle;
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_render::{Image, Mode, Occlusion, Sampling, Settings};
-use trisect_scene::{Scene, Vec3};
+use trisect_scene::{Affine3A, Instance, Mesh, Scene, Vec3};
 use trisect_tracer::Tracing;
 
 fn square(pixels: u32) -> Settings {
@@ -87,15 +88,12 @@ fn a_shadow_ends_where_its_ray_falls() {
     let mut with_curtain = scene(&text);
     let corners = [[0.0, -9.0, 1.0], [9.0, -9.0, 1.0], [9.0, 9.0, 1.0], [0.0, 9.0, 1.0]];
     let [a, b, c, d] = corners;
-    let triangles =
-        vec![trisect_core::Triangle::new(a, b, c), trisect_core::Triangle::new(a, c, d)];
-    with_curtain.meshes = vec![trisect_scene::Mesh {
-        materials: vec![0; 2],
-        ..trisect_scene::Mesh::of_triangles("curtain", triangles)
-    }];
-    with_curtain.instances.push(trisect_scene::Instance {
+    let triangles = vec![Triangle::new(a, b, c), Triangle::new(a, c, d)];
+    with_curtain.meshes =
+        vec![Mesh { materials: vec![0; 2], ..Mesh::of_triangles("curtain", triangles) }];
+    with_curtain.instances.push(Instance {
         mesh: 0,
-        to_world: trisect_scene::Affine3A::IDENTITY,
+        to_world: Affine3A::IDENTITY,
         material: None,
         smooth: false,
     });
@@ -179,6 +177,68 @@ fn a_slab_of_glass_shifts_a_ray_by_as_much_as_snell_says() {
         let shift = 2.0 * (degrees.to_radians() - inside).sin() / inside.cos();
         assert!((middle.abs() - shift).abs() < 0.005, "{index} {degrees}: {middle} {shift}");
     }
+}
+
+#[test]
+fn light_through_clear_things_is_coloured_by_each_surface() {
+    const CLEAR: Vec3 = Vec3::new(0.5, 0.25, 1.0);
+    const GLASS: &str = "[material.glass]\ntransmission = [0.5, 0.25, 1]\n[material.stone]\n";
+    let lamp = |z: f32| {
+        format!("[[light]]\nkind = \"point\"\nposition = [3, 0, {z}]\nintensity = [99, 99, 99]\n")
+    };
+    let ball = |z: f32, material: &str| {
+        format!("[[sphere]]\ncenter = [1.5, 0, {z}]\nradius = 0.4\nmaterial = \"{material}\"\n")
+    };
+    let pane = |z: f32| {
+        format!("[[plane]]\npoint = [0, 0, {z}]\nnormal = [0, 0, 1]\nmaterial = \"glass\"\n")
+    };
+    let middle = |scene: Scene, mode| {
+        let settings = Settings { mode, sampling: Sampling::ONE, depth: 0, ..square(101) };
+        at(&render(&stage::<MollerTrumbore>(scene), &settings), 0.0, 0.0)
+    };
+    // A wall of triangles across the light's way, which the camera looks past. The light crosses the edge
+    // between them, in each of its instances.
+    let wall = |instances: u8| {
+        let mut scene = scene(&format!("{WALL}{GLASS}{}", lamp(3.0)));
+        let [a, b, c, d] = [[-9.0, -9.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]];
+        let triangle = |corners: [[f32; 2]; 3]| {
+            let [a, b, c] = corners.map(|[y, z]| [1.0, y, z]);
+            Triangle::new(a, b, c)
+        };
+        let triangles = vec![triangle([a, b, c]), triangle([a, c, d])];
+        let glass = scene.materials.iter().position(|material| material.name == "glass");
+        let materials = vec![glass.expect("it is there"); 2];
+        scene.meshes.push(Mesh { materials, ..Mesh::of_triangles("wall", triangles) });
+        for number in 0..instances {
+            let along = f32::from(number) * 0.25;
+            let to_world = Affine3A::from_translation(Vec3::new(along, -1.0 - along, 0.0));
+            scene.instances.push(Instance { mesh: 0, to_world, material: None, smooth: false });
+        }
+        scene
+    };
+    for mode in [Mode::Whitted { occlusion: None }, Mode::Paths] {
+        let lit = |text: &str| middle(scene(&format!("{WALL}{GLASS}{}{text}", lamp(3.0))), mode);
+        let full = lit("");
+        assert!(full.min_element() > 0.5, "{full}");
+        let is = |found: Vec3, surfaces: i32| {
+            let expected = full * CLEAR.map(|x| x.powi(surfaces));
+            assert!((found - expected).length() < 1e-5, "{surfaces}: {found} {expected}");
+        };
+        is(lit(&ball(1.5, "glass")), 2);
+        is(lit(&ball(8.0, "glass")), 0);
+        is(lit(&format!("{}{}", ball(1.5, "glass"), ball(1.4, "glass"))), 4);
+        assert_eq!(lit(&format!("{}{}", ball(1.5, "glass"), ball(1.4, "stone"))), Vec3::ZERO);
+        for instances in [1, 2, 3] {
+            is(middle(wall(instances), mode), instances.into());
+        }
+    }
+    // From above the pane; the light's way from the wall below it is what it is without.
+    let text = format!("{WALL}{GLASS}{}{}", lamp(3.0), pane(4.0));
+    let settings = Settings { depth: 1, ..square(101) };
+    let through = at(&picture(&text, &settings), 0.0, 0.0);
+    let text = format!("{WALL}{GLASS}{}{}", lamp(3.0), pane(2.0));
+    let under = at(&picture(&text, &settings), 0.0, 0.0);
+    assert!(through.x > 0.1 && (under - through * CLEAR).length() < 1e-5, "{through} {under}");
 }
 
 #[test]
