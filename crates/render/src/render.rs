@@ -279,7 +279,7 @@ fn differ(samples: &[Color]) -> bool {
 }
 
 /// A camera and where its rays go through.
-struct Eye<'a> {
+pub(crate) struct Eye<'a> {
     camera: &'a trisect_scene::Camera,
     settings: &'a Settings,
     half_height: f32,
@@ -289,7 +289,7 @@ struct Eye<'a> {
 }
 
 impl<'a> Eye<'a> {
-    fn new(stage: &'a Stage, settings: &'a Settings) -> Self {
+    pub(crate) fn new(stage: &'a Stage, settings: &'a Settings) -> Self {
         let camera = &stage.scene.cameras[settings.camera];
         let [width, height] = settings.size.map(|x| x as f32);
         Self {
@@ -302,9 +302,9 @@ impl<'a> Eye<'a> {
     }
 
     /// Sends the rays of a pixel's samples.
-    fn look(&self, wave: &mut Wave, [x, y]: [u32; 2], samples: std::ops::Range<u32>) {
+    fn look(&self, wave: &mut Wave, at: [u32; 2], samples: std::ops::Range<u32>) {
         let Settings { size, seed, mode, sampling, .. } = self.settings;
-        let pixel = y * size[0] + x;
+        let pixel = at[1] * size[0] + at[0];
         for sample in samples {
             let random = Random { seed: *seed, pixel, sample };
             let point = match mode {
@@ -314,8 +314,6 @@ impl<'a> Eye<'a> {
                 }
                 Mode::Whitted { .. } => sampling.point(random),
             };
-            let right_down = Vec2::new(x as f32, y as f32) + point;
-            let at = self.corner + right_down * Vec2::new(self.step, -self.step);
             let on_lens = || {
                 let at = match mode {
                     Mode::Paths => {
@@ -326,9 +324,23 @@ impl<'a> Eye<'a> {
                 };
                 on_disc(at.x, at.y)
             };
-            let (o, d) = self.camera.ray(at, self.half_height, on_lens);
-            wave.push_primary(pixel, sample, o, d.normalize());
+            let (o, d) = self.ray(at, point, on_lens);
+            wave.push_primary(pixel, sample, o, d);
         }
+    }
+
+    /// The ray through a point of a pixel, from 0 to 1 across and down, its direction of unit length.
+    #[inline]
+    pub(crate) fn ray(
+        &self,
+        [x, y]: [u32; 2],
+        point: Vec2,
+        on_lens: impl FnOnce() -> Vec2,
+    ) -> (Vec3, Vec3) {
+        let right_down = Vec2::new(x as f32, y as f32) + point;
+        let at = self.corner + right_down * Vec2::new(self.step, -self.step);
+        let (o, d) = self.camera.ray(at, self.half_height, on_lens);
+        (o, d.normalize())
     }
 }
 

@@ -1,0 +1,46 @@
+//! What the camera's rays are to each tree: for those who look into the trees, not at the picture.
+
+use glam::Vec2;
+use trisect_core::Ray;
+use trisect_tracer::Tree;
+
+use crate::render::Eye;
+use crate::settings::Settings;
+use crate::stage::Stage;
+use crate::wave::{carried, nearest_simple, ray};
+
+/// A ray as a tree sees it.
+#[derive(Clone, Copy)]
+pub struct Sight<'a> {
+    /// The tree's number, in the order in which they were built.
+    pub number: usize,
+    /// The tree.
+    pub tree: &'a dyn Tree,
+    /// The ray in the space of the tree's triangles: where it meets one, its `t` is that of the world.
+    pub ray: Ray<f32>,
+}
+
+impl Stage {
+    /// The ray through the middle of a pixel and of the lens, its direction of unit length. It ends at the
+    /// nearest sphere or plane.
+    ///
+    /// # Panics
+    /// When the scene has no such camera.
+    pub fn primary(&self, settings: &Settings, pixel: [u32; 2]) -> Ray<f32> {
+        let (o, d) = Eye::new(self, settings).ray(pixel, Vec2::splat(0.5), || Vec2::ZERO);
+        let mut ray = ray(o, d, f32::INFINITY);
+        nearest_simple(self, &mut ray);
+        ray
+    }
+
+    /// The trees that a ray may meet, one for each mesh in its place.
+    pub fn sights(&self, ray: Ray<f32>) -> impl Iterator<Item = Sight<'_>> {
+        self.placed.iter().filter_map(move |placed| {
+            let ray = match &placed.carried {
+                None => ray,
+                Some(place) => carried(place, &ray)?,
+            };
+            Some(Sight { number: placed.group, tree: &*self.groups[placed.group].tree, ray })
+        })
+    }
+}
