@@ -239,6 +239,9 @@ pub(crate) struct Pictures {
     /// Fewer samples, and no pictures of more than 600 rows
     #[arg(long)]
     pub quick: bool,
+    /// Divide the sides of all pictures, for a trial
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub shrink: u32,
     /// Threads, at most; all processors if left out
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,

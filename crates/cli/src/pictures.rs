@@ -32,6 +32,7 @@ pub(crate) fn run(arguments: &Pictures) -> Result<()> {
         rounds,
         threads: arguments.threads.map_or(processors, usize::from),
         largest: if arguments.quick { 600 } else { u32::MAX },
+        shrink: arguments.shrink,
     };
     taken.lines.extend(trisect_harness::pictures(&settings, &mut bar)?);
     drop(bar);

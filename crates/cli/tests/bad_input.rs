@@ -288,6 +288,14 @@ fn arguments() {
             "study --quick --methods wald --output rays.csv",
             "rays.csv: cannot write to this folder (…); name another with --output",
         ),
+        case(
+            "pictures --quick --methods embree",
+            "unknown method `embree`; `trisect list` shows what there is",
+        ),
+        case(
+            "pictures --quick --methods wald --output rays.csv",
+            "rays.csv: cannot write to this folder (…); name another with --output",
+        ),
         case("measure --output folder", "folder: is a folder; name a file with --output")
             .file("folder/something", ""),
     ]);
@@ -314,6 +322,8 @@ fn clap_refuses_what_it_does_not_know() {
         ("stress --fuzz many".to_owned(), "not a number; give a count, as 1e9"),
         ("stress --fuzz -1".to_owned(), "'-1'"),
         ("study --threads 0".to_owned(), "'--threads <N>'"),
+        ("pictures --threads 0".to_owned(), "'--threads <N>'"),
+        ("pictures --shrink 0".to_owned(), "'--shrink <N>'"),
         ("verify --rays rays.csv".to_owned(), "--mesh <FILE>"),
         ("rank record.jsonl --needs everything".to_owned(), "'--needs <NEEDS>'"),
         ("--rounds 1 list".to_owned(), "list"),

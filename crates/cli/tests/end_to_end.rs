@@ -272,6 +272,61 @@ fn a_study_of_the_tracer_adds_its_page_and_its_record_to_a_report() {
     assert!(summary["rows"][1]["single_gain"].as_f64().is_some_and(|gain| gain > 0.0));
 }
 
+/// One test, as the study is what takes its time.
+#[test]
+fn a_study_of_pictures_adds_its_page_and_its_record_to_a_report() {
+    let folder = Folder::new();
+    let report = "--methods moller-trumbore --rounds 1 --mesh mesh.obj --output here";
+    assert_eq!(folder.trisect(report, b"").code, Some(0));
+
+    let study = "pictures --quick --shrink 10 --methods watertight --threads 2 --seed 3 --output";
+    let run = folder.trisect(&format!("{study} here"), b"");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let written = ["page    here/pictures.html", "record  here/pictures.jsonl"];
+    assert_eq!(run.stderr.trim().lines().collect::<Vec<_>>(), written);
+    assert!(run.stdout.contains("The mirror scene at 64 by 48, one sample"), "{}", run.stdout);
+    assert!(run.stdout.lines().all(|line| line.chars().count() <= 80), "{}", run.stdout);
+    let index = fs::read_to_string(folder.path().join("here/index.html")).expect("it is there");
+    assert!(index.contains("<a href=\"pictures.html\">"), "the comparison leads to the study");
+
+    // The page of the record is the same, and its summary can be read by a program.
+    let page = fs::read(folder.path().join("here/pictures.html")).expect("it is there");
+    let again = folder.trisect("report here/pictures.jsonl --json --output here", b"");
+    assert_eq!((again.code, again.stderr.trim()), (Some(0), "page    here/pictures.html"));
+    assert_eq!(fs::read(folder.path().join("here/pictures.html")).expect("it is there"), page);
+    let text = String::from_utf8(page).expect("it is text");
+    assert!(text.contains("The mirror scene at 16 by 12, one sample, one light, depth 16, from"));
+    assert!(text.matches("data:image/png;base64,").count() >= 14, "a picture of each feature");
+    let summary: serde_json::Value = serde_json::from_str(&again.stdout).expect("JSON");
+    // Two sizes at four levels.
+    assert_eq!(summary["sizes"].as_array().map(Vec::len), Some(8));
+    assert_eq!(summary["techniques"][4]["method"], "watertight");
+    assert!(summary["goal"]["frames_per_second"].as_f64().is_some_and(|frames| frames > 0.0));
+
+    // With the same seed the same pictures, rays and order; only times differ.
+    let run = folder.trisect(&format!("{study} there"), b"");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let record = |name: &str| {
+        let text = fs::read_to_string(folder.path().join(name)).expect("it is there");
+        // The first line says when.
+        let lines = text.lines().skip(1).map(|line| {
+            let mut line: serde_json::Value = serde_json::from_str(line).expect("JSON");
+            let times = line.get_mut("samples_ns").and_then(serde_json::Value::as_array_mut);
+            if let Some(times) = times {
+                assert_eq!(times.len(), 3, "{line}");
+                times.clear();
+            }
+            line
+        });
+        lines.collect::<Vec<_>>()
+    };
+    let lines = record("here/pictures.jsonl");
+    for kind in ["frames", "picture"] {
+        assert!(lines.iter().filter(|line| line["kind"] == kind).count() >= 14, "{kind}");
+    }
+    assert_eq!(record("there/pictures.jsonl"), lines);
+}
+
 #[test]
 fn without_a_verb_everything_is_written_where_it_is_asked_for() {
     let folder = Folder::new();

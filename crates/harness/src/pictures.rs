@@ -36,6 +36,15 @@ pub struct PictureSettings {
     pub threads: usize,
     /// The height of the largest pictures, 1080 for all.
     pub largest: u32,
+    /// What the sides of all pictures are divided by, at least 1.
+    pub shrink: u32,
+}
+
+impl PictureSettings {
+    /// A size as it is asked for.
+    fn size(&self, full: [u32; 2]) -> [u32; 2] {
+        full.map(|side| (side / self.shrink).max(1))
+    }
 }
 
 /// Name, samples, depth and lights, from low to very hard.
@@ -205,11 +214,12 @@ impl Study<'_> {
             .into_iter()
             .map(pool)
             .collect::<Result<Vec<_>, _>>()?;
-        let goal = || base(GOAL);
+        let goal = || base(self.settings.size(GOAL));
         let mut contenders = vec![Self::contender(FrameSeries::Goal, "goal", usual, goal(), &all)];
         for size in SIZES.into_iter().filter(|size| size[1] <= self.settings.largest) {
             for (name, samples, depth, lights) in LEVELS {
                 let sampling = Sampling::Circle(samples);
+                let size = self.settings.size(size);
                 let settings = Settings { sampling, depth, lights, ..base(size) };
                 contenders.push(Self::contender(FrameSeries::Sizes, name, usual, settings, &all));
             }
@@ -277,7 +287,8 @@ impl Study<'_> {
         };
         let lanes = of(reference()).expect("the reference takes every mesh");
         // Tiles so small that all threads have their share of a small picture.
-        let settings = || Settings { tile: 16, ..base(SMALL) };
+        let small = self.settings.size(SMALL);
+        let settings = || Settings { tile: 16, ..base(small) };
         let series = FrameSeries::Techniques;
         let mut contenders = Vec::new();
         for (name, stage, pool) in [
@@ -321,6 +332,7 @@ impl Study<'_> {
         self.progress.phase("features", features.len() as u64);
         let mut lines = Vec::new();
         for (name, says, scene, settings) in features {
+            let settings = Settings { size: self.settings.size(settings.size), ..settings };
             let tree =
                 |triangles: &[Triangle<f32>]| (reference().tree)(triangles, Builder::Spatial);
             let stage = stage(&load(scene), tree);
@@ -401,7 +413,7 @@ fn features() -> Vec<(&'static str, &'static str, &'static str, Settings)> {
         ),
         (
             "Total internal reflection",
-            "The block's inner sides are mirrors at flat angles.",
+            "The block's inner sides are mirrors at flat angles; the blue ball colours its shadow.",
             "glass.toml",
             fine(),
         ),

@@ -51,7 +51,7 @@ const PARTS: [(&str, Write); 16] = [
         part(view, &pictures::markdown::sizes(view), pictures::markdown::SIZES)
     }),
     ("pictures-techniques", |view| {
-        part(view, &pictures::markdown::techniques(view), pictures::markdown::TECHNIQUES)
+        part(view, &pictures::markdown::techniques(view), &pictures::markdown::techniques_say(view))
     }),
 ];
 

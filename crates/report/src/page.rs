@@ -1,5 +1,6 @@
 //! The page: one file that asks the network for nothing.
 
+use std::borrow::Cow;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -132,7 +133,7 @@ pub(crate) struct Finding {
 pub(crate) struct Titled {
     pub(crate) id: &'static str,
     pub(crate) title: &'static str,
-    pub(crate) says: &'static str,
+    pub(crate) says: Cow<'static, str>,
     pub(crate) table: Table,
 }
 

@@ -2,6 +2,7 @@
 
 use trisect_harness::record::FrameSeries;
 
+use super::markdown::scene_of;
 use super::summary::of_view;
 use super::{series, speed};
 use crate::chart::{Axis, Drawing, Entry, Join, Look, Panel, Plane, Sample, Scale, Series};
@@ -113,10 +114,11 @@ fn one_at_a_time(view: &View) -> Figure {
     Figure {
         name: "pictures-series",
         title: "One thing at a time",
-        caption: "The mirror scene at 640 by 480, one sample, one light, depth 16, all threads, tiles \
-                  of 64; each panel changes one of these. Leaves at 8 are the cheapest ones, of up to \
-                  16."
-            .into(),
+        caption: format!(
+            "{}, all threads, tiles of 64; each panel changes one of these. Leaves at 8 are the cheapest \
+             ones, of up to 16.",
+            scene_of(view, FrameSeries::Threads)
+        ),
         drawing: if panels.is_empty() {
             Err(nothing())
         } else {

@@ -110,10 +110,24 @@ pub(crate) fn techniques(view: &View) -> Table {
 }
 
 /// What the columns of [`techniques`] mean.
-pub(crate) const TECHNIQUES: &str = "The mirror scene at 160 by 120, one sample, one light, depth 16, \
-    from a tracer that tests every triangle, one number at a time, on one thread. Each row adds one \
-    technique to those above: a tree, lanes of SIMD, threads, and the fastest method of those studied. \
-    gain: speed over the row above; together: the product of all gains so far.";
+pub(crate) fn techniques_say(view: &View) -> String {
+    format!(
+        "{}, from a tracer that tests every triangle, one number at a time, on one thread. Each row adds \
+         one technique to those above: a tree, lanes of SIMD, threads, and the fastest method of those \
+         studied. gain: speed over the row above; together: the product of all gains so far.",
+        scene_of(view, FrameSeries::Techniques)
+    )
+}
+
+/// What the pictures of a series have in common.
+pub(super) fn scene_of(view: &View, which: FrameSeries) -> String {
+    let (mut size, mut depth) = (String::new(), 0);
+    if let Some(frames) = series(view, which).next() {
+        size = format!(" at {} by {}", frames.width, frames.height);
+        depth = frames.depth;
+    }
+    format!("The mirror scene{size}, one sample, one light, depth {depth}")
+}
 
 /// A row per thing and value.
 pub(crate) fn one_at_a_time(view: &View) -> Table {
@@ -133,6 +147,10 @@ pub(crate) fn one_at_a_time(view: &View) -> Table {
 }
 
 /// What the columns of [`one_at_a_time`] mean.
-pub(crate) const SERIES: &str = "The mirror scene at 640 by 480, one sample, one light, depth 16, all \
-    threads, tiles of 64, leaves where they are the cheapest: each row changes one of these. rays: of one \
-    picture, from the camera, reflected, and to lights.";
+pub(super) fn one_at_a_time_says(view: &View) -> String {
+    format!(
+        "{}, all threads, tiles of 64, leaves where they are the cheapest: each row changes one of these. \
+         rays: of one picture, from the camera, reflected, and to lights.",
+        scene_of(view, FrameSeries::Threads)
+    )
+}

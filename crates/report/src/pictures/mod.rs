@@ -43,14 +43,14 @@ pub fn write_pictures_page(records: &Records, folder: &Path) -> Result<Page, Pag
             table(
                 "techniques",
                 "What each technique gains",
-                markdown::TECHNIQUES,
+                markdown::techniques_say(&view).into(),
                 markdown::techniques(&view),
             ),
-            table("sizes", "Sizes and levels", markdown::SIZES, markdown::sizes(&view)),
+            table("sizes", "Sizes and levels", markdown::SIZES.into(), markdown::sizes(&view)),
             table(
                 "series",
                 "One thing at a time",
-                markdown::SERIES,
+                markdown::one_at_a_time_says(&view).into(),
                 markdown::one_at_a_time(&view),
             ),
         ],

@@ -30,7 +30,10 @@ pub fn write_stress_page(records: &Records, folder: &Path) -> Result<Page, PageE
 }
 
 fn tables(view: &View) -> Vec<Titled> {
-    let table = |id, title, says, table| Titled { id, title, says, table };
+    let table = |id, title, says: &'static str, table| {
+        let says = says.into();
+        Titled { id, title, says, table }
+    };
     vec![
         table("f32", "All methods in f32", markdown::METHODS, markdown::methods(view, "f32")),
         table("f64", "All methods in f64", markdown::METHODS, markdown::methods(view, "f64")),

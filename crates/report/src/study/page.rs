@@ -15,7 +15,10 @@ use crate::view::View;
 /// As [`write_page`](crate::write_page).
 pub fn write_study_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
     let view = View::new(records);
-    let table = |id, title, says, table| Titled { id, title, says, table };
+    let table = |id, title, says: &'static str, table| {
+        let says = says.into();
+        Titled { id, title, says, table }
+    };
     let study = Study {
         page: STUDY_PAGE,
         title: "Ray–triangle intersection in a ray tracer",
