@@ -1,0 +1,12 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod controls;
+mod frame;
+mod heat;
+mod judge;
+mod viewer;
+
+pub use frame::{Frame, Rgb};
+pub use judge::{Cost, Triangles, Verdict, cost, judge};
+pub use viewer::{Action, UnknownView, View, Viewer};
