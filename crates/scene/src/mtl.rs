@@ -1,6 +1,6 @@
 //! Material libraries of OBJ files (MTL).
 //!
-//! Read here: the library that reads OBJ ends the program where a colour has fewer than three numbers.
+//! Read here: the library at hand, tobj, ends the program where a colour has fewer than three numbers.
 
 use std::path::Path;
 

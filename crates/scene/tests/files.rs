@@ -215,18 +215,18 @@ fn obj_brings_materials_normals_and_coordinates() {
 #[test]
 fn faulty_obj_and_mtl_files_are_told_by_line() {
     for (from, to, file, expected) in [
-        ("v 1 1 0", "v 1 x 0", "square.obj", "line 4: v: "),
-        ("v 1 1 0", "v 1 nan 0", "square.obj", "line 4: v: "),
+        ("v 1 1 0", "v 1 x 0", "square.obj", "line 4: y is `x`, not a number; "),
+        ("v 1 1 0", "v 1 nan 0", "square.obj", "vertex 2 (line 4): y is NaN; "),
         ("vt 1 1", "vt one", "square.obj", "line 8: vt: "),
-        ("f 1/1/1 2/2/1 3/3/1\n", "f 1 2 9\n", "square.obj", "line 14: f: "),
+        ("f 1/1/1 2/2/1 3/3/1\n", "f 1 2 9\n", "square.obj", "face 1 (line 14): index 9 is "),
         (
             "usemtl tin",
             "usemtl lead",
             "square.obj",
             "line 13: usemtl: no library has a material `lead`",
         ),
-        ("f 1/1/1 2/2/1 3/3/1\n", "f 0 1 2\n", "square.obj", "line 14: f: "),
-        ("f 1/1/1 2/2/1 3/3/1\n", "f 1/9/1 2/2/1 3/3/1\n", "square.obj", "line 14: f: "),
+        ("f 1/1/1 2/2/1 3/3/1\n", "f 0 1 2\n", "square.obj", "face 1 (line 14): index 0 is "),
+        ("f 1/1/1 2/2/1 3/3/1\n", "f 1/9/1 2/2/1 3/3/1\n", "square.obj", "line 14: vt 9 is not "),
         ("newmtl tin", "oldmtl tin", "square.mtl", "line 1: oldmtl: stands before any material"),
         (
             "Kd 0.5 0.5 0.5",

@@ -16,6 +16,7 @@ use std::sync::Arc;
 use trisect_core::{Triangle, Vec3};
 
 pub use self::gltf::{GltfFile, Matrix, PlacedNode};
+pub use self::obj::{ObjCorner, ObjFile, ObjLine, ObjTriangle};
 
 /// The smallest box that holds a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -330,9 +331,9 @@ fn parse(format: MeshFormat, bytes: &[u8], folder: Option<&Path>) -> Result<Raw,
     }
 }
 
-/// Checks what a reader handed over and makes the mesh.
-fn build(name: String, raw: &Raw) -> Result<Mesh, MeshProblem> {
-    for (number, vertex) in raw.vertices.iter().enumerate() {
+/// Refuses coordinates that are not finite.
+fn all_finite(vertices: &[Vertex]) -> Result<(), MeshProblem> {
+    for (number, vertex) in vertices.iter().enumerate() {
         if let Some(axis) = vertex.at.iter().position(|x| !x.is_finite()) {
             return Err(MeshProblem::NotFinite {
                 vertex: Place { number, line: vertex.line },
@@ -341,23 +342,34 @@ fn build(name: String, raw: &Raw) -> Result<Mesh, MeshProblem> {
             });
         }
     }
+    Ok(())
+}
+
+/// The vertex of a face's corner, by its number from 0 and as it is written.
+fn vertex_at(
+    vertices: &[Vertex],
+    index: i64,
+    written: i64,
+    face: Place,
+) -> Result<[f32; 3], MeshProblem> {
+    let vertex = usize::try_from(index).ok().and_then(|index| vertices.get(index));
+    vertex.map(|vertex| vertex.at).ok_or(MeshProblem::IndexOutOfRange {
+        face,
+        index: written,
+        vertices: vertices.len(),
+    })
+}
+
+/// Checks what a reader handed over and makes the mesh.
+fn build(name: String, raw: &Raw) -> Result<Mesh, MeshProblem> {
+    all_finite(&raw.vertices)?;
     let mut triangles = Vec::with_capacity(raw.faces.len());
     for (number, face) in raw.faces.iter().enumerate() {
         let place = Place { number, line: face.line };
         if face.corners != 3 {
             return Err(MeshProblem::NotATriangle { face: place, corners: face.corners });
         }
-        let corner = |i: usize| {
-            usize::try_from(face.indices[i])
-                .ok()
-                .and_then(|index| raw.vertices.get(index))
-                .map(|vertex| vertex.at)
-                .ok_or(MeshProblem::IndexOutOfRange {
-                    face: place,
-                    index: face.written[i],
-                    vertices: raw.vertices.len(),
-                })
-        };
+        let corner = |i: usize| vertex_at(&raw.vertices, face.indices[i], face.written[i], place);
         triangles.push(Triangle::new(corner(0)?, corner(1)?, corner(2)?));
     }
     let bounds = Bounds::of(&triangles).ok_or(MeshProblem::Empty)?;
