@@ -73,10 +73,9 @@ fn test_blocks<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usi
         )
         .with_axis_last(AXIS);
     // Not zipped: that may stay a call.
-    let mut at = blocks.start;
-    for block in &bvh.blocks[blocks] {
+    for at in blocks {
+        let block = &bvh.blocks[at];
         let group = if const { M::GROUPS > 1 } { usize::from(bvh.groups[at]) } else { 0 };
-        at += 1;
         let ray = M::prepare_ray(&ray, group);
         test_block::<M, L, ANY, AXIS>(token, &ray, block, interval, culling, best);
     }
