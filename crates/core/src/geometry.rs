@@ -303,7 +303,7 @@ impl<X: Scalar> Triangle<X> {
 
     /// A triangle that nothing hits: it fills up blocks.
     #[inline(always)]
-    pub(crate) fn nothing() -> Self {
+    pub fn nothing() -> Self {
         let nan = X::from_f64(f64::NAN);
         let corner = Vec3::new(nan, nan, nan);
         Self { a: corner, b: corner, c: corner }

@@ -131,7 +131,7 @@ fn go<M, L, const ANY: bool, const ROBUST: bool>(
                         test_leaf::<M, L, ANY>(bvh, token, blocks, culling, &ray, best);
                         let is_hit = best.is_hit();
                         any |= is_hit;
-                        let tmax = end::<ANY, ROBUST>(best);
+                        let tmax = end::<ANY, ROBUST>(best, ray.tmax);
                         rows.end(place, select_unpredictable(is_hit, tmax, ray.tmax));
                     }
                     if any {

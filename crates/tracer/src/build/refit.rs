@@ -4,7 +4,7 @@ use trisect_core::{Method, Triangle, UnsuitableMesh};
 
 use super::corners::Corners;
 use super::emit::{self, Kinds, Members, PLACES};
-use super::{KindsOf, blocks, each};
+use super::{KindsOf, blocks, each, places};
 use crate::bvh::{Bvh, Child, WIDTH, child, leaf};
 
 /// A tree cannot be fitted to these triangles: it has to be built anew.
@@ -55,6 +55,7 @@ impl<M: Method> Bvh<M> {
         let kinds = KindsOf::new::<M>(triangles)?;
         let members = self.members(kinds.kinds());
         (self.blocks, self.groups) = blocks::<M>(triangles, &members);
+        self.places = places::<M>(triangles.len(), &members);
         self.fit_boxes(triangles, &members);
         Ok(())
     }
