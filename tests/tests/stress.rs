@@ -30,6 +30,7 @@ fn nothing(names: &[&str]) -> StressSettings {
         crack_rays: 0,
         watertight_rays: 0,
         fuzz: 0,
+        exact: 0,
     }
 }
 
@@ -208,4 +209,42 @@ fn flushing_changes_nothing_that_is_not_subnormal() {
         }
     }
     assert_eq!(Flushing::from_f64(1e-40).to_f64(), f64::from(1e-40_f32));
+}
+
+/// Every kind of scene, on every lane type and in both arrangements, and first hits in every way.
+#[test]
+fn what_claims_to_be_exact_is() {
+    let records = study(&StressSettings { exact: 1_500_000, ..nothing(&["exact"]) });
+    let summary = trisect_report::exactness_summary(&records);
+    let total = summary.total();
+    assert_eq!(total.all_wrong(), 0, "{:?}", summary.first_wrong);
+    assert!(total.tests >= 1_500_000);
+    for row in &summary.rows {
+        assert!(row.counts.tests > 0 && row.counts.rays > 0, "{row:?}");
+    }
+    assert!(summary.rows.iter().any(|row| row.precision == "f64"));
+}
+
+/// Each stage decides something somewhere, and the cheapest nearly all of a scene.
+#[test]
+fn the_cheapest_stage_decides_nearly_all() {
+    let records = study(&StressSettings { pairs: 16, ..nothing(&["exact"]) });
+    let stages = || {
+        records.iter().filter_map(|record| match record {
+            Record::Stages(stages) => Some(stages),
+            _ => None,
+        })
+    };
+    let mut sums = vec![0; 4];
+    for stages in stages() {
+        assert_eq!(stages.stages.len(), 4);
+        for (sum, pairs) in sums.iter_mut().zip(&stages.pairs) {
+            *sum += pairs;
+        }
+        if stages.source.starts_with("bunny/") {
+            let all: u64 = stages.pairs.iter().sum();
+            assert!(stages.pairs[0] as f64 > 0.999 * all as f64, "{stages:?}");
+        }
+    }
+    assert!(sums.iter().all(|&sum| sum > 0), "{sums:?}");
 }

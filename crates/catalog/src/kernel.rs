@@ -5,6 +5,7 @@
 )]
 
 use std::any::Any;
+use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use trisect_core::{
@@ -364,6 +365,56 @@ pub(crate) trait Instances: Method {
             },
         );
     }
+
+    /// The same with the lanes the other way round, triangle by triangle.
+    fn find_packets<L: Lanes<Elem: Precision>, D: Division>(
+        scene: &Scene,
+        culling: Culling,
+        found: &mut Find<'_>,
+    ) {
+        let Prepared { triangles, packets, .. } = scene.get::<Self, L::Elem>();
+        let token = token::<L>();
+        token.run(
+            #[inline(always)]
+            || {
+                one_triangle::<Self, L, D>(
+                    token,
+                    packets,
+                    triangles,
+                    culling,
+                    #[inline(always)]
+                    |tested, mask, hit| {
+                        let triangle = triangles.number(tested.triangle_place);
+                        let of = |lane| (packets.number(tested.ray_place + lane), triangle);
+                        let _ = each_hit::<L>(mask, hit, &mut |lane, hit| {
+                            let (ray, triangle) = of(lane);
+                            if ray == PADDING {
+                                return ControlFlow::Continue(());
+                            }
+                            // The other lanes are of other rays.
+                            let _ = found(ray as usize, triangle, hit);
+                            ControlFlow::Continue(())
+                        });
+                    },
+                );
+            },
+        );
+    }
+
+    /// Which of two triangles that a ray of the scene hits at one rounded `t` is first: that of the lower
+    /// number, unless the method knows better.
+    fn order<E: Precision>(scene: &Scene, ray: usize, numbers: [u32; 2]) -> Ordering {
+        let by_number = numbers[0].cmp(&numbers[1]);
+        if const { !Self::INFO.claims.exact } {
+            return by_number;
+        }
+        let Prepared { triangles, rays, .. } = scene.get::<Self, E>();
+        let [first, second] = numbers.map(|number| {
+            let place = triangles.numbers(0).iter().position(|&other| other == number);
+            triangles.prepared(place.expect("it is a triangle of the scene"))
+        });
+        <Self as Method>::order(&rays[ray], first, second).then(by_number)
+    }
 }
 
 impl<M: Method> Instances for M {}
@@ -378,6 +429,20 @@ fn hand_out<L: Lanes>(
     hit: Hit<L>,
     found: &mut Find<'_>,
 ) -> bool {
+    each_hit::<L>(mask, hit, &mut |lane, hit| match numbers[lane] {
+        PADDING => ControlFlow::Continue(()),
+        number => found(ray, number, hit),
+    })
+    .is_break()
+}
+
+/// Hands out the lanes that hit, until one breaks.
+#[inline(never)]
+fn each_hit<L: Lanes>(
+    mask: L::Mask,
+    hit: Hit<L>,
+    found: &mut dyn FnMut(usize, Hit<f64>) -> ControlFlow<()>,
+) -> ControlFlow<()> {
     let zero = L::Elem::from_f64(0.0);
     let mut lanes = [[zero; trisect_core::BLOCK]; 3];
     hit.t.store(&mut lanes[0]);
@@ -388,12 +453,9 @@ fn hand_out<L: Lanes>(
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
         let [t, beta, gamma] = [0, 1, 2].map(|i: usize| lanes[i][lane].to_f64());
-        let number = numbers[lane];
-        if number != PADDING && found(ray, number, Hit { t, beta, gamma }).is_break() {
-            return true;
-        }
+        found(lane, Hit { t, beta, gamma })?;
     }
-    false
+    ControlFlow::Continue(())
 }
 
 /// Receives a ray's number, a triangle's number and the hit, its numbers widened exactly;
@@ -404,12 +466,21 @@ pub type Find<'a> = dyn FnMut(usize, u32, Hit<f64>) -> ControlFlow<()> + 'a;
 pub struct Finder {
     /// The variant.
     pub variant: Variant,
-    find: fn(&Scene, Culling, &mut Find<'_>),
+    find: Run,
+    /// For methods that claim to be exact.
+    find_packets: Option<Run>,
+    order: fn(&Scene, usize, [u32; 2]) -> Ordering,
 }
+
+/// Hands out every hit of every ray of a scene.
+type Run = fn(&Scene, Culling, &mut Find<'_>);
 
 impl Finder {
     pub(crate) fn new<M: Method, L: Lanes<Elem: Precision>, D: Division>() -> Self {
-        Self { variant: variant::<L, D>(), find: M::find::<L, D> }
+        let find_packets: Option<Run> =
+            if const { M::INFO.claims.exact } { Some(M::find_packets::<L, D>) } else { None };
+        let order = <M as Instances>::order::<L::Elem>;
+        Self { variant: variant::<L, D>(), find: M::find::<L, D>, find_packets, order }
     }
 
     /// Calls `found` for each hit of each ray of `scene`, ray by ray; the triangles of a ray come
@@ -422,8 +493,22 @@ impl Finder {
         (self.find)(scene, culling, found);
     }
 
-    /// The closest hit of each of the first `rays` rays of `scene`: smallest `t`, then lowest
-    /// triangle number.
+    /// The same with as many rays as there are lanes against one triangle, triangle by triangle: `Break`
+    /// ends nothing. `None` where that is not compiled: it is for methods that claim to be exact.
+    ///
+    /// # Panics
+    /// As [`Finder::find`].
+    pub fn find_packets(
+        &self,
+        scene: &Scene,
+        culling: Culling,
+        found: &mut Find<'_>,
+    ) -> Option<()> {
+        self.find_packets.map(|find| find(scene, culling, found))
+    }
+
+    /// The closest hit of each of the first `rays` rays of `scene`: smallest `t`, then what comes first
+    /// for a method that claims to be exact, then lowest triangle number.
     ///
     /// # Panics
     /// As [`Finder::find`], and when the scene has more rays.
@@ -435,8 +520,10 @@ impl Finder {
     ) -> Vec<Option<(u32, Hit<f64>)>> {
         let mut closest: Vec<Option<(u32, Hit<f64>)>> = vec![None; rays];
         self.find(scene, culling, &mut |ray, number, hit| {
-            let nearer = closest[ray]
-                .is_none_or(|(other, best)| hit.t < best.t || (hit.t == best.t && number < other));
+            let nearer = closest[ray].is_none_or(|(other, best)| {
+                let comes_first = || (self.order)(scene, ray, [number, other]).is_lt();
+                hit.t < best.t || hit.t == best.t && comes_first()
+            });
             if nearer {
                 closest[ray] = Some((number, hit));
             }

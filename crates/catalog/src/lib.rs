@@ -32,6 +32,8 @@ pub struct Entry {
     pub f64: Kernels<f64>,
     /// Its f32 tests as a processor runs them that flushes subnormal numbers to zero, by the division.
     pub flushing: Vec<(&'static str, FlushingTest)>,
+    /// The stages of which one decides a pair, the cheapest first; none where all pairs go one way.
+    pub stages: &'static [&'static str],
     /// Puts triangles in a tree, prepared for the method, or says why it cannot take them.
     pub tree: BuildTree,
     /// The same with leaves of a size of choice.
@@ -52,6 +54,8 @@ pub type FlushingTest = fn(&Ray<f32>, &Triangle<f32>) -> Option<Hit<f64>>;
 pub struct Kernels<E: Precision> {
     /// Prepares triangles and rays for these kernels, or says why the method cannot take them.
     pub prepare: Prepare<E>,
+    /// The place among the method's stages of the one that decides a pair.
+    pub stage: fn(&Ray<E>, &Triangle<E>) -> usize,
     /// Kernels that count, for measuring time.
     pub timed: Vec<Kernel>,
     /// Kernels that hand out every hit, for answers and errors.
@@ -72,6 +76,7 @@ pub fn entries() -> &'static [Entry] {
                 f32: matrix::kernels::<M, f32>(),
                 f64: matrix::kernels::<M, f64>(),
                 flushing: matrix::flushing::<M>(),
+                stages: M::STAGES,
                 tree: |triangles, builder| M::tree(triangles, builder, Leaves::default()),
                 tree_with: M::tree,
             });

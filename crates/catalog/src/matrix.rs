@@ -24,7 +24,8 @@ const FULL: bool = cfg!(feature = "full");
 pub(crate) fn kernels<M: Method, E: Precision>() -> Kernels<E> {
     let mut collect = Collect::<M> { timed: Vec::new(), finders: Vec::new(), method: PhantomData };
     E::visit_native(&mut collect);
-    Kernels { prepare: Scene::prepare::<M, E>, timed: collect.timed, finders: collect.finders }
+    let Collect { timed, finders, .. } = collect;
+    Kernels { prepare: Scene::prepare::<M, E>, stage: M::stage::<E>, timed, finders }
 }
 
 /// The tests of a method in flushing arithmetic.

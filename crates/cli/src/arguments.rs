@@ -187,6 +187,9 @@ pub(crate) struct Stress {
     /// Tests of hostile input in all [default: 2e9, or 2e8 with --quick]
     #[arg(long, value_name = "N", value_parser = count)]
     pub fuzz: Option<u64>,
+    /// Nothing but N tests of methods that claim to be exact, against the oracle: no report
+    #[arg(long, value_name = "N", value_parser = count, conflicts_with_all = ["quick", "fuzz"])]
+    pub exact: Option<u64>,
     /// Folder of the report that the page is added to
     #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
     pub output: PathBuf,

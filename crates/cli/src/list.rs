@@ -27,6 +27,7 @@ struct Method {
     outputs: Vec<&'static str>,
     divisions: Vec<&'static str>,
     watertight: bool,
+    exact: bool,
     stored_numbers: usize,
     source: &'static str,
 }
@@ -39,6 +40,9 @@ impl Method {
         words.extend(more);
         if self.watertight {
             words.push("watertight");
+        }
+        if self.exact {
+            words.push("exact");
         }
         words.join(" ")
     }
@@ -94,6 +98,7 @@ impl From<&Entry> for Method {
             outputs: entry.info.outputs.iter().map(|output| output.name()).collect(),
             divisions: entry.f32.divisions().collect(),
             watertight: entry.info.claims.watertight,
+            exact: entry.info.claims.exact,
             stored_numbers: entry.cost.stored_numbers,
             source: entry.info.source,
         }

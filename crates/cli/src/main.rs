@@ -19,7 +19,7 @@ mod verify;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser as _};
-use trisect_harness::{StudyError, WrongAnswer};
+use trisect_harness::{NotExact, StudyError, WrongAnswer};
 
 use arguments::{Arguments, Verb};
 
@@ -67,6 +67,7 @@ fn main() -> ExitCode {
             eprintln!("trisect: {}", one_line(&format!("{error:#}")));
             // 2: the input is at fault, as for clap's own errors; 1: trisect is.
             let is_ours = error.is::<WrongAnswer>()
+                || error.is::<NotExact>()
                 || matches!(error.downcast_ref(), Some(StudyError::WrongAnswer(_)));
             ExitCode::from(if is_ours { 1 } else { 2 })
         }

@@ -13,7 +13,7 @@ use crate::compare::read;
 use crate::output;
 
 /// Columns of what is printed: a terminal's.
-const COLUMNS: usize = 80;
+pub(crate) const COLUMNS: usize = 80;
 
 pub(crate) fn rank(arguments: &Rank) -> Result<()> {
     let records = read(&arguments.record)?;
@@ -167,6 +167,6 @@ fn add(folder: &Path, write: impl FnOnce() -> Result<Page, PageError>) -> Result
     Ok(page)
 }
 
-fn show(value: &impl Serialize, text: &str, json: bool) -> Result<()> {
+pub(crate) fn show(value: &impl Serialize, text: &str, json: bool) -> Result<()> {
     output::print_as(json, value, |out| writeln!(out, "{}", text.trim_end()))
 }

@@ -1,7 +1,9 @@
 //! `trisect stress`: the stability study.
 
-use anyhow::Result;
-use trisect_harness::{Settings, StressSettings};
+use anyhow::{Result, bail};
+use trisect_catalog::Entry;
+use trisect_harness::{NotExact, Settings, StressSettings};
+use trisect_report::exactness_summary;
 
 use crate::arguments::Stress;
 use crate::compare::command;
@@ -14,16 +16,24 @@ struct Size {
     crack_rays: usize,
     watertight_rays: usize,
     fuzz: u64,
+    exact: u64,
     rounds: usize,
 }
 
-const QUICK: Size =
-    Size { pairs: 128, crack_rays: 4_000, watertight_rays: 200_000, fuzz: 200_000_000, rounds: 3 };
+const QUICK: Size = Size {
+    pairs: 128,
+    crack_rays: 4_000,
+    watertight_rays: 200_000,
+    fuzz: 200_000_000,
+    exact: 10_000_000,
+    rounds: 3,
+};
 const FULL: Size = Size {
     pairs: 2_048,
     crack_rays: 100_000,
     watertight_rays: 10_000_000,
     fuzz: 2_000_000_000,
+    exact: 1_000_000_000,
     rounds: 7,
 };
 
@@ -34,6 +44,9 @@ const PROBES: usize = 32;
 pub(crate) fn run(arguments: &Stress) -> Result<()> {
     let size = if arguments.quick { QUICK } else { FULL };
     let methods = tasks::methods(&arguments.methods)?;
+    if let Some(tests) = arguments.exact {
+        return hold_to_exactness(arguments, methods, tests);
+    }
     output::check_folder(&arguments.output)?;
 
     let settings = Settings {
@@ -54,10 +67,37 @@ pub(crate) fn run(arguments: &Stress) -> Result<()> {
         crack_rays: size.crack_rays,
         watertight_rays: size.watertight_rays,
         fuzz: arguments.fuzz.unwrap_or(size.fuzz),
+        exact: size.exact,
     };
     taken.lines.extend(trisect_harness::stress(&settings, &mut bar));
     drop(bar);
 
     let Stress { output, json, .. } = arguments;
     records::keep(&taken, output, "stress.jsonl", *json, records::publish_stress)
+}
+
+/// Nothing but methods that claim to be exact against the oracle, in so many tests.
+fn hold_to_exactness(arguments: &Stress, methods: Vec<&'static Entry>, tests: u64) -> Result<()> {
+    if methods.iter().all(|entry| !entry.info.claims.exact) {
+        bail!("none of these methods claims to be exact; `trisect list --json` says which do");
+    }
+    let settings = StressSettings {
+        seed: arguments.seed,
+        methods,
+        pairs: 0,
+        probes: 0,
+        crack_rays: 0,
+        watertight_rays: 0,
+        fuzz: 0,
+        exact: tests,
+    };
+    let mut bar = Bar::new();
+    let lines = trisect_harness::stress(&settings, &mut bar);
+    drop(bar);
+    let summary = exactness_summary(&lines);
+    records::show(&summary, &summary.to_text(records::COLUMNS), arguments.json)?;
+    if summary.total().all_wrong() > 0 {
+        return Err(NotExact(summary.first_wrong.unwrap_or_default()).into());
+    }
+    Ok(())
 }

@@ -37,7 +37,7 @@ impl MethodInfo {
         input: Input::Prepared,
         outputs: Output::ALL_BUT_NORMAL,
         forms: Forms::Both,
-        claims: Claims { watertight: false, culls: true, unit_direction: false },
+        claims: Claims { watertight: false, culls: true, unit_direction: false, exact: false },
         error_factor: 64.0,
     };
 
@@ -140,6 +140,10 @@ impl Forms {
 
 /// What a method promises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "each promise is kept or not, whatever the others"
+)]
 pub struct Claims {
     /// No ray passes between triangles that share an edge or a corner, in plain arithmetic and the
     /// deferred form, while nothing under- or overflows.
@@ -148,4 +152,7 @@ pub struct Claims {
     pub culls: bool,
     /// The direction must have unit length.
     pub unit_direction: bool,
+    /// Every decision, and the order of hits along a ray, is that of exact arithmetic, whatever the numbers;
+    /// values are the exact ones, rounded once.
+    pub exact: bool,
 }

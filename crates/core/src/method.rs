@@ -1,5 +1,7 @@
 //! What a ray–triangle method is.
 
+use core::cmp::Ordering;
+
 use crate::division::{Culling, Division, Interval};
 use crate::geometry::{Hit, Ray, Triangle, Vec3};
 use crate::info::MethodInfo;
@@ -84,6 +86,8 @@ pub trait Method: Send + Sync + Sized + 'static {
     /// along the last one before anything sees ray or triangle. Costs nothing per test: the rays of
     /// a packet are chosen to share the axis.
     const TURNS: bool = false;
+    /// The stages of which one decides a pair, the cheapest first; none where all pairs go one way.
+    const STAGES: &'static [&'static str] = &[];
     /// What is stored per triangle.
     type Prepared: Record;
     /// What is computed once per ray (and group).
@@ -170,6 +174,31 @@ pub trait Method: Send + Sync + Sized + 'static {
         found: impl FnOnce(L::Mask, Hit<L>),
     ) {
         D::test::<Self, L>(ray, triangle, interval, culling, found);
+    }
+
+    /// The values of a hit, where a decision gave none; the triangle as it was prepared, the ray as it was
+    /// given. For methods that claim to be exact.
+    ///
+    /// # Panics
+    /// For all others.
+    fn values<X: Scalar>(_ray: &Ray<X>, _triangle: &Of<Self::Prepared, X>) -> Hit<X> {
+        unreachable!("values are asked for apart where they are computed apart")
+    }
+
+    /// Which of two triangles that a ray hits at the same rounded `t` comes first along it; both as they
+    /// were prepared, the ray as it was given. For methods that claim to be exact.
+    #[inline(always)]
+    fn order<X: Scalar>(
+        _ray: &Ray<X>,
+        _first: &Of<Self::Prepared, X>,
+        _second: &Of<Self::Prepared, X>,
+    ) -> Ordering {
+        Ordering::Equal
+    }
+
+    /// The place among [`STAGES`](Method::STAGES) of the one that decides a pair in plain arithmetic.
+    fn stage<X: Scalar>(_ray: &Ray<X>, _triangle: &Triangle<X>) -> usize {
+        0
     }
 }
 

@@ -140,6 +140,12 @@ impl<M: Method, E: Scalar> PreparedTriangles<M, E> {
         &self.numbers[place..]
     }
 
+    /// The triangle in a place, as it was prepared.
+    #[inline(always)]
+    pub fn prepared(&self, place: usize) -> &Of<M::Prepared, E> {
+        &self.singles[place]
+    }
+
     /// Bytes of prepared data per triangle.
     pub fn bytes_per_triangle() -> usize {
         M::Prepared::NUMBERS * size_of::<E>()

@@ -14,6 +14,6 @@ mod timing;
 
 pub use measure::{Progress, REFERENCE, Settings, Task, measure};
 pub use pictures::{PictureSettings, pictures};
-pub use stress::{StressSettings, stress};
+pub use stress::{NotExact, StressSettings, stress};
 pub use study::{ClassOfRays, StudyError, StudySettings, classes_of_rays, keep_for_study, study};
 pub use timing::{WrongAnswer, nanoseconds};

@@ -479,12 +479,14 @@ impl Answered {
 }
 
 fn claims(claims: Claims) -> Vec<String> {
-    let Claims { watertight, culls, unit_direction } = claims;
-    [("watertight", watertight), ("culls", culls), ("unit-direction", unit_direction)]
-        .into_iter()
-        .filter(|(_, holds)| *holds)
-        .map(|(name, _)| name.to_owned())
-        .collect()
+    let Claims { watertight, culls, unit_direction, exact } = claims;
+    let named = [
+        ("watertight", watertight),
+        ("culls", culls),
+        ("unit-direction", unit_direction),
+        ("exact", exact),
+    ];
+    named.into_iter().filter(|(_, holds)| *holds).map(|(name, _)| name.to_owned()).collect()
 }
 
 fn part_cost((part, ops): (&str, Ops)) -> PartCost {

@@ -8,10 +8,10 @@ use std::io::{BufRead, Write};
 use serde::{Deserialize, Serialize};
 
 /// The version of the schema that this build writes and reads.
-pub const SCHEMA: u32 = 5;
+pub const SCHEMA: u32 = 6;
 
 /// The oldest schema that this build reads: 2 added facts about methods, refusals and cracks, 3 the
-/// stability study, 4 the study of the tracer, 5 pictures.
+/// stability study, 4 the study of the tracer, 5 pictures, 6 exactness and stages.
 const OLDEST: u64 = 1;
 
 /// One line of a record file.
@@ -52,6 +52,10 @@ pub enum Record {
     Contract(Contract),
     /// What a variant makes of a special value.
     SpecialValues(SpecialValues),
+    /// A method that claims to be exact, held to it.
+    Exactness(Exactness),
+    /// Which stage of a method decides.
+    Stages(Stages),
     /// A tree over a scene, and the time to build it.
     Tree(TreeBuilt),
     /// The time of rays through a tree.
@@ -575,6 +579,67 @@ pub struct Contract {
     pub variant: Variant,
     /// Per clause the pairs that were tested, and those that violate it.
     pub clauses: BTreeMap<Clause, [u64; 2]>,
+}
+
+/// A method that claims to be exact, held to it in one way: by a kernel in one arrangement, or in the tree.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Exactness {
+    /// The method.
+    pub method: String,
+    /// `f32` or `f64`.
+    pub precision: String,
+    /// Lanes, instruction set, arithmetic and arrangement, or how rays go through the tree.
+    pub way: String,
+    /// By the kind of scene.
+    pub kinds: BTreeMap<String, ExactCounts>,
+    /// The first answer that was wrong, with its input.
+    pub first_wrong: Option<String>,
+}
+
+/// Answers held to the oracle's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ExactCounts {
+    /// Tests of one ray against one triangle.
+    pub tests: u64,
+    /// Those that are decided wrongly.
+    pub wrong: u64,
+    /// Hits with a value that is not the true one, rounded once.
+    pub wrong_values: u64,
+    /// Rays whose first triangle was asked for.
+    pub rays: u64,
+    /// Those with another first triangle than the true one.
+    pub wrong_closest: u64,
+}
+
+impl ExactCounts {
+    /// Adds other counts.
+    pub fn add(&mut self, other: &Self) {
+        self.tests += other.tests;
+        self.wrong += other.wrong;
+        self.wrong_values += other.wrong_values;
+        self.rays += other.rays;
+        self.wrong_closest += other.wrong_closest;
+    }
+
+    /// All that are wrong in any way.
+    pub fn all_wrong(&self) -> u64 {
+        self.wrong + self.wrong_values + self.wrong_closest
+    }
+}
+
+/// Which stage of a method decides pairs of one source.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Stages {
+    /// The method.
+    pub method: String,
+    /// `f32` or `f64`.
+    pub precision: String,
+    /// A family of hard pairs, over all its levels, or a scene.
+    pub source: String,
+    /// The stages, the cheapest first.
+    pub stages: Vec<String>,
+    /// How many pairs each decides.
+    pub pairs: Vec<u64>,
 }
 
 /// What a variant makes of special values in the place of a number of a clear hit.

@@ -25,7 +25,9 @@ pub use page::{Page, PageError, write_page};
 pub use pictures::{PictureSummary, Technique, TimedFrame, picture_summary, write_pictures_page};
 pub use rank::{Filter, Ranked, Ranking, rank};
 pub use stress::page::write_stress_page;
-pub use stress::{StressRow, StressSummary, stress_summary};
+pub use stress::{
+    ExactnessRow, ExactnessSummary, StressRow, StressSummary, exactness_summary, stress_summary,
+};
 pub use study::page::write_study_page;
 pub use study::{StudyRow, StudySummary, study_summary};
 pub use summary::{FrontPoint, MethodRow, PrecisionRow, Summary, Winner, summary};

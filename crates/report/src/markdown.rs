@@ -8,6 +8,7 @@ use trisect_harness::record::{Records, Variant};
 use crate::format::{number, or_dash, scientific};
 use crate::havel;
 use crate::pictures;
+use crate::stress::exact;
 use crate::stress::findings;
 use crate::stress::markdown as stress;
 use crate::study::markdown as study;
@@ -32,7 +33,7 @@ pub enum SpliceError {
 type Write = fn(&View) -> String;
 
 /// What can be spliced: its name, and what writes it.
-const PARTS: [(&str, Write); 16] = [
+const PARTS: [(&str, Write); 18] = [
     ("methods", methods),
     ("havel", havel::page),
     ("stress-findings", findings::page),
@@ -42,6 +43,8 @@ const PARTS: [(&str, Write); 16] = [
     ("stress-contract", |view| part(view, &stress::contract(view), "")),
     ("stress-special", |view| part(view, &stress::special_values(view), stress::SPECIAL)),
     ("stress-arithmetic", |view| part(view, &stress::arithmetic(view), stress::ARITHMETIC)),
+    ("stress-exact", |view| part(view, &exact::exactness(view), exact::EXACTNESS)),
+    ("stress-stages", |view| part(view, &exact::stages(view), exact::STAGES)),
     ("study-findings", study::findings),
     ("study-methods", |view| part(view, &study::methods(view), study::METHODS)),
     ("study-trees", |view| part(view, &study::trees(view), study::TREES)),

@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use trisect_harness::record::{
-    Agreement, ByCondition, Contract, Cracks, Decisions, Error, Family, Frames, FusedDifference,
-    Header, Limits, MethodFacts, Picture, Preparation, Quantiles, Record, Records, Refusal,
-    SpecialValues, StressFamily, SurfaceCracks, Throughput, Traced, TreeBuilt, Variant, Workload,
+    Agreement, ByCondition, Contract, Cracks, Decisions, Error, Exactness, Family, Frames,
+    FusedDifference, Header, Limits, MethodFacts, Picture, Preparation, Quantiles, Record, Records,
+    Refusal, SpecialValues, Stages, StressFamily, SurfaceCracks, Throughput, Traced, TreeBuilt,
+    Variant, Workload,
 };
 
 use crate::stats::{geometric_mean, median, ns_per_test};
@@ -98,6 +99,8 @@ pub(crate) struct View<'a> {
     pub(crate) limits: Vec<&'a Limits>,
     pub(crate) contract: Vec<&'a Contract>,
     pub(crate) special_values: Vec<&'a SpecialValues>,
+    pub(crate) exactness: Vec<&'a Exactness>,
+    pub(crate) stages: Vec<&'a Stages>,
     pub(crate) trees: Vec<&'a TreeBuilt>,
     pub(crate) traced: Vec<&'a Traced>,
     pub(crate) frames: Vec<&'a Frames>,
@@ -127,6 +130,8 @@ impl<'a> View<'a> {
             limits: Vec::new(),
             contract: Vec::new(),
             special_values: Vec::new(),
+            exactness: Vec::new(),
+            stages: Vec::new(),
             trees: Vec::new(),
             traced: Vec::new(),
             frames: Vec::new(),
@@ -160,6 +165,8 @@ impl<'a> View<'a> {
                 Record::Limits(l) => view.limits.push(l),
                 Record::Contract(c) => view.contract.push(c),
                 Record::SpecialValues(s) => view.special_values.push(s),
+                Record::Exactness(e) => view.exactness.push(e),
+                Record::Stages(s) => view.stages.push(s),
                 Record::Tree(t) => view.trees.push(t),
                 Record::Traced(t) => view.traced.push(t),
                 Record::Frames(f) => view.frames.push(f),

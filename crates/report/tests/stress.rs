@@ -5,10 +5,11 @@ mod synthetic;
 use std::collections::BTreeMap;
 
 use trisect_harness::record::{
-    Bin, ByCondition, Clause, Contract, Errors, FusedDifference, Limits, Outcome, Record, Records,
-    Site, SpecialValues, Spread, StressFamily, StressLevel, SurfaceCracks, Variant,
+    Bin, ByCondition, Clause, Contract, Errors, ExactCounts, Exactness, FusedDifference, Limits,
+    Outcome, Record, Records, Site, SpecialValues, Spread, Stages, StressFamily, StressLevel,
+    SurfaceCracks, Variant,
 };
-use trisect_report::{splice, stress_summary, write_page, write_stress_page};
+use trisect_report::{exactness_summary, splice, stress_summary, write_page, write_stress_page};
 
 fn variant(method: &str, precision: &str, division: &str, arithmetic: &str) -> Variant {
     Variant {
@@ -233,4 +234,50 @@ fn every_part_of_a_document_is_made_anew_once() {
     assert!(!once.contains("\nold\n"));
     assert_eq!(splice(&once, &study()).expect("there are markers"), once);
     insta::assert_snapshot!(once);
+}
+
+/// The study of a method that claims to be exact as well: eight wrong answers of three kinds.
+fn exact_study() -> Records {
+    let mut records = study();
+    let counts = ExactCounts { tests: 1024, wrong: 2, wrong_values: 1, rays: 64, wrong_closest: 1 };
+    for way in ["f32x8 avx2 plain one-ray", "tree single"] {
+        records.lines.push(Record::Exactness(Exactness {
+            method: "exact".to_owned(),
+            precision: "f32".to_owned(),
+            way: way.to_owned(),
+            kinds: [("near-edge".to_owned(), counts)].into(),
+            first_wrong: Some("this ray".to_owned()),
+        }));
+    }
+    records.lines.push(Record::Stages(Stages {
+        method: "exact".to_owned(),
+        precision: "f32".to_owned(),
+        source: "near-edge".to_owned(),
+        stages: ["miss", "filter", "f64", "whole"].map(str::to_owned).into(),
+        pairs: vec![500, 400, 99, 1],
+    }));
+    records
+}
+
+#[test]
+fn exactness_is_summed_up() {
+    let records = exact_study();
+    let summary = exactness_summary(&records.lines);
+    assert_eq!((summary.ways, summary.rows.len()), (2, 1));
+    assert_eq!((summary.total().tests, summary.total().all_wrong()), (2048, 8));
+    assert_eq!(summary.first_wrong.as_deref(), Some("exact, f32x8 avx2 plain one-ray: this ray"));
+    let says = "2,048 tests in 2 ways: 4 wrong decisions, 2 wrong values";
+    for text in [summary.to_text(100), stress_summary(&records).to_text(100)] {
+        assert!(text.contains(says), "{text}");
+    }
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let page = write_stress_page(&records, folder.path()).expect("it is written");
+    let page = std::fs::read_to_string(page.index).expect("just written");
+    assert!(page.contains("Exactness") && page.contains("Stages"));
+    let marked = |part| format!("<!-- trisect:{part} -->\n<!-- end of trisect:{part} -->\n");
+    let document = marked("stress-exact") + &marked("stress-stages");
+    let document = splice(&document, &records).expect("there are markers");
+    assert!(document.contains("| `near-edge` | f32 | 2,048 | 4 | 2 | 128 | 2 |"), "{document}");
+    let shares = "| `near-edge` | exact | f32 | 1,000 | 50.000 | 40.000 | 9.900 | 0.100 |";
+    assert!(document.contains(shares), "{document}");
 }

@@ -6,6 +6,7 @@ use trisect_core::{Lanes, Method, Of, Record as _, Vec3};
 use crate::bounds::Bounds;
 use crate::build::Builder;
 use crate::rows::load;
+use crate::slabs::LARGEST;
 
 /// Children of a node, and triangles of a block.
 pub(crate) const WIDTH: usize = 8;
@@ -45,8 +46,8 @@ impl Node {
 
     pub(crate) fn set(&mut self, lane: usize, bounds: &Bounds, child: u32) {
         for axis in 0..3 {
-            self.bounds[axis][0][lane] = bounds.min[axis];
-            self.bounds[axis][1][lane] = bounds.max[axis];
+            self.bounds[axis][0][lane] = outwards(bounds.min[axis]);
+            self.bounds[axis][1][lane] = -outwards(-bounds.max[axis]);
         }
         self.children[lane] = child;
     }
@@ -68,6 +69,17 @@ impl Node {
     }
 }
 
+/// Where a box may begin that begins there: from an origin within [`LARGEST`] no difference overflows.
+fn outwards(begin: f32) -> f32 {
+    if begin < -LARGEST {
+        f32::NEG_INFINITY
+    } else if begin > LARGEST && begin.is_finite() {
+        LARGEST
+    } else {
+        begin
+    }
+}
+
 /// Eight triangles of one kind, prepared, number by number.
 #[repr(align(64))]
 pub(crate) struct Block<M: Method> {
@@ -83,6 +95,13 @@ impl<M: Method> Clone for Block<M> {
 }
 
 impl<M: Method> Copy for Block<M> {}
+
+impl<M: Method> Block<M> {
+    /// One of them.
+    pub(crate) fn prepared_of(&self, lane: usize) -> Of<M::Prepared, f32> {
+        M::Prepared::map(&self.prepared, |row: &[f32; WIDTH]| row[lane])
+    }
+}
 
 /// The number of a leaf.
 ///
@@ -118,6 +137,9 @@ pub struct Bvh<M: Method> {
     pub(crate) blocks: Vec<Block<M>>,
     /// The kind of triangles in each block; empty where the method has one.
     pub(crate) groups: Vec<u8>,
+    /// Where each triangle is, one of its places in the blocks; empty where the method does not order
+    /// what is equally near.
+    pub(crate) places: Vec<u32>,
     /// Nodes on the longest way down.
     pub(crate) depth: usize,
     pub(crate) bounds: Bounds,
@@ -188,6 +210,12 @@ fn cost(nodes: &[Node], bounds: &Bounds) -> f64 {
 }
 
 impl<M: Method> Bvh<M> {
+    /// A triangle, by its number.
+    pub(crate) fn prepared(&self, triangle: u32) -> Of<M::Prepared, f32> {
+        let place = self.places[triangle as usize] as usize;
+        self.blocks[place / WIDTH].prepared_of(place % WIDTH)
+    }
+
     /// Facts about the tree.
     pub(crate) fn statistics_of(&self) -> Statistics {
         Statistics {
@@ -198,7 +226,8 @@ impl<M: Method> Bvh<M> {
             depth: self.depth,
             bytes: size_of_val(&self.nodes[..])
                 + size_of_val(&self.blocks[..])
-                + size_of_val(&self.groups[..]),
+                + size_of_val(&self.groups[..])
+                + size_of_val(&self.places[..]),
             cost: cost(&self.nodes, &self.bounds),
         }
     }

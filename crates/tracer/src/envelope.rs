@@ -8,7 +8,7 @@ use trisect_core::{Lanes, Vec3};
 
 use crate::bvh::{Node, WIDTH};
 use crate::rows::{RAYS, Rows, least, splat};
-use crate::slabs::within;
+use crate::slabs::{Slabs, within};
 
 /// The octant that rays look into: along each axis, which end of a box is nearer.
 #[derive(Clone, Copy)]
@@ -55,11 +55,13 @@ pub(crate) struct Envelope {
 }
 
 impl Envelope {
-    /// Of those of some rays that look into the octant of the first of them.
+    /// Of those of some rays that look into the octant of the first of them: of that ray alone, where
+    /// along an axis its inverse says nothing.
     #[inline(always)]
     pub(crate) fn new<L: Lanes<Elem = f32>>(token: L::Token, rows: &Rows, some: u64) -> Self {
         let zero = L::splat(token, 0.0);
-        let octant_of = rows.slabs::<L>(token, some.trailing_zeros() as usize).inverse;
+        let first = some.trailing_zeros() as usize;
+        let octant_of = rows.slabs::<L>(token, first).inverse;
         let infinite = zero.constant(f32::INFINITY);
         let none = Vec3 { x: infinite, y: infinite, z: infinite };
         // Numbers and their negatives: so the least of all is taken everywhere.
@@ -83,6 +85,9 @@ impl Envelope {
             minus_tmax = L::select(here, minus_tmax.min(-interval.1), minus_tmax);
             at += L::N;
         }
+        if rays & some == 0 {
+            return Self::of_one(rows, first);
+        }
         let (o_min, o_max) = (across(o), -across(minus_o));
         let (r_min, r_max) = (across(r), -across(minus_r));
         let (x, y, z) = (r_min.x < 0.0, r_min.y < 0.0, r_min.z < 0.0);
@@ -102,6 +107,23 @@ impl Envelope {
             large: pick(r_min, r_max),
             tmin: least(tmin),
             tmax: -least(minus_tmax),
+        }
+    }
+
+    /// Of one ray.
+    fn of_one(rows: &Rows, place: usize) -> Self {
+        let Slabs { inverse, start: _ } = rows.slabs::<f32>((), place);
+        let (tmin, tmax) = rows.interval::<f32>((), place);
+        let o = rows.ray(place).o;
+        Self {
+            rays: 1 << place,
+            octant: Octant::of(inverse),
+            nearest: o,
+            farthest: o,
+            small: inverse,
+            large: inverse,
+            tmin,
+            tmax,
         }
     }
 

@@ -1,5 +1,6 @@
 //! The best hit of a ray so far, and what a caller keeps of it.
 
+use std::cmp::Ordering;
 use std::hint::select_unpredictable;
 
 use trisect_core::Hit;
@@ -35,6 +36,20 @@ impl TriangleHit {
         self.hit.t = select_unpredictable(is_better, new.t, old.t);
         self.hit.beta = select_unpredictable(is_better, new.beta, old.beta);
         self.hit.gamma = select_unpredictable(is_better, new.gamma, old.gamma);
+    }
+
+    /// The same for a method that orders what is equally near, the other to this one by `order`; whether
+    /// it was taken.
+    pub(crate) fn improve_by(&mut self, other: Self, order: impl FnOnce() -> Ordering) -> bool {
+        let is_better = !self.is_hit()
+            || other.hit.t < self.hit.t
+            || other.hit.t == self.hit.t
+                && other.triangle != self.triangle
+                && order().then(other.triangle.cmp(&self.triangle)) == Ordering::Less;
+        if is_better {
+            *self = other;
+        }
+        is_better
     }
 }
 

@@ -67,7 +67,7 @@ where
                     test_leaf::<M, L, ANY>(bvh, token, blocks, Culling::None, &ray, best);
                     let is_hit = best.is_hit();
                     any |= is_hit;
-                    let tmax = end::<ANY, ROBUST>(best);
+                    let tmax = end::<ANY, ROBUST>(best, ray.tmax);
                     rows.end(place, select_unpredictable(is_hit, tmax, ray.tmax));
                 }
                 any

@@ -1,5 +1,7 @@
 //! What the tracer's techniques are measured against: one number at a time, with a tree and without.
 
+use std::cmp::Ordering;
+
 use trisect_core::{
     Culling, Deferred, Division, Early, Method, PreparedTriangles, Ray, Triangle, TrueDivision,
     UnsuitableMesh, one_ray,
@@ -90,6 +92,8 @@ impl<M: Method> EveryTriangle<M> {
     #[inline(always)]
     fn closest<D: Division>(&self, culling: Culling, ray: &Ray<f32>) -> TriangleHit {
         let mut best = NO_HIT;
+        // The best as it was prepared, where the method orders what is equally near.
+        let mut first = None;
         one_ray::<M, f32, D>(
             (),
             ray,
@@ -99,7 +103,18 @@ impl<M: Method> EveryTriangle<M> {
             |tested, met, hit| {
                 if met {
                     let triangle = self.triangles.number(tested.triangle_place);
-                    best.improve(TriangleHit { triangle, hit });
+                    let other = TriangleHit { triangle, hit };
+                    if const { M::INFO.claims.exact } {
+                        let order = || match &first {
+                            Some(first) => M::order(ray, tested.triangle, first),
+                            None => Ordering::Equal,
+                        };
+                        if best.improve_by(other, order) {
+                            first = Some(*tested.triangle);
+                        }
+                    } else {
+                        best.improve(other);
+                    }
                 }
             },
         );

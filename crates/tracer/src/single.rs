@@ -104,7 +104,7 @@ impl<'a> Flight<'a> {
                 let (ray, best) = (rows.ray(self.place), &mut rows.best[self.place % RAYS]);
                 test_leaf::<M, L, ANY>(bvh, token, blocks, culling, &ray, best);
                 if best.is_hit() {
-                    let tmax = end::<ANY, ROBUST>(best);
+                    let tmax = end::<ANY, ROBUST>(best, ray.tmax);
                     rows.end(self.place, tmax);
                     return ANY;
                 }

@@ -2,6 +2,9 @@
 //! box, by one formula.
 //!
 //! Kay, Kajiya: Ray Tracing Complex Scenes. SIGGRAPH 1986.
+//!
+//! Where they are `ROBUST` they never leave out a box that a ray meets within its interval: proved in
+//! `docs/derivations/exact.md`.
 
 use trisect_core::{Lanes, Ray, Vec3};
 
@@ -14,10 +17,19 @@ const FLATTEST: f32 = 1e-18;
 /// method accepts beside a box, since the corners that it sees are rounded as well.
 pub(crate) const ROUNDINGS: f32 = 8.0 * (f32::EPSILON / 2.0);
 
+/// What underflow may take from the distances to two planes, and more: it is not subnormal, since numbers
+/// that are take long. Where the processor flushes them it may take a few of the smallest normal ones.
+pub(crate) const UNDERFLOW: f32 = 4.0 * f32::MIN_POSITIVE;
+
+/// Coordinates and directions are trusted up to this, 2¹²⁶: so differences do not overflow, and the inverse
+/// of a direction is not subnormal.
+pub(crate) const LARGEST: f32 = f32::MAX / 4.0;
+
 /// What is computed once per ray for the boxes.
 #[derive(Clone, Copy)]
 pub(crate) struct Slabs<L> {
-    /// Of the direction. Where `ROBUST`, plus infinity along an axis across the ray.
+    /// Of the direction. Where `ROBUST`, plus infinity along an axis across the ray, and NaN along one that
+    /// nothing is said about.
     pub(crate) inverse: Vec3<L>,
     /// `origin · inverse`, which is taken from a coordinate's product with the inverse; the origin where
     /// `ROBUST`, which is taken from the coordinate itself: that is exact, or relative to the distance.
@@ -28,15 +40,15 @@ impl<L: Lanes<Elem = f32>> Slabs<L> {
     #[inline(always)]
     pub(crate) fn new<const ROBUST: bool>(ray: &Ray<L>) -> Self {
         let Ray { o, d, .. } = *ray;
-        let one = o.x.constant(1.0);
         if ROBUST {
             let inverse = Vec3::new(
-                across_is_positive(one / d.x),
-                across_is_positive(one / d.y),
-                across_is_positive(one / d.z),
+                certain_inverse(o.x, d.x),
+                certain_inverse(o.y, d.y),
+                certain_inverse(o.z, d.z),
             );
             return Self { inverse, start: o };
         }
+        let one = o.x.constant(1.0);
         let (x, y, z) = (d.x.magnitude(), d.y.magnitude(), d.z.magnitude());
         let least = x.max(y).max(z) * o.x.constant(FLATTEST);
         let inverse = Vec3::new(
@@ -93,11 +105,18 @@ impl<L: Lanes<Elem = f32>> Slabs<L> {
     }
 }
 
-/// Plus infinity for either infinity.
+/// The inverse of a coordinate of the direction: plus infinity for either zero. NaN, which says nothing, where
+/// it is infinite though the ray moves along the axis, or where what is computed with it may overflow.
 #[inline(always)]
-fn across_is_positive<L: Lanes<Elem = f32>>(inverse: L) -> L {
-    let is_minus_infinity = inverse.lt(inverse.constant(f32::MIN));
-    L::select(is_minus_infinity, inverse.constant(f32::INFINITY), inverse)
+fn certain_inverse<L: Lanes<Elem = f32>>(o: L, d: L) -> L {
+    let (zero, infinity) = (d.constant(0.0), d.constant(f32::INFINITY));
+    let nothing = d.constant(f32::NAN);
+    let inverse = d.constant(1.0) / d;
+    let is_finite = inverse.magnitude().lt(infinity);
+    let of_infinite = L::select(d.magnitude().gt(zero), nothing, infinity);
+    let inverse = L::select(is_finite, inverse, of_infinite);
+    let is_large = o.magnitude().max(d.magnitude()).gt(d.constant(LARGEST));
+    L::select(is_large, nothing, inverse)
 }
 
 /// The last of three slabs that is entered and the first that is left, within an interval. What is NaN
@@ -115,5 +134,7 @@ pub(crate) fn within<L: Lanes<Elem = f32>, const ROBUST: bool>(
     let from = near.z.max(near.y.max(near.x.max(tmin)));
     let to = far.z.min(far.y.min(far.x.min(tmax)));
     let by = from.constant(ROUNDINGS);
-    (from - from.magnitude() * by, to + to.magnitude() * by)
+    // All that underflow may take, at one end: a box that the ray begins in is to begin at zero.
+    let slack = to.magnitude().mul_add(by, to.constant(UNDERFLOW));
+    (from - from.magnitude() * by, to + slack)
 }

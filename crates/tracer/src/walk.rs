@@ -78,7 +78,7 @@ impl<M: Method> Bvh<M> {
             }
             test_leaf::<M, f32, false>(self, (), blocks, Culling::None, &rest, &mut best);
             if best.is_hit() {
-                rest.tmax = end::<false, true>(&best);
+                rest.tmax = end::<false, true>(&best, rest.tmax);
             }
             rest.tmax
         });

@@ -215,7 +215,7 @@ fn hostile<E: Float>(random: &mut Pcg64) -> E {
 
 /// Rays and triangles of hostile numbers; every other ray aimed at one of the triangles, every fourth
 /// triangle degenerate, and every other ray with an open interval.
-fn hostile_scene<E: Float>(random: &mut Pcg64) -> (Vec<Ray<E>>, Vec<Triangle<E>>) {
+pub(super) fn hostile_scene<E: Float>(random: &mut Pcg64) -> (Vec<Ray<E>>, Vec<Triangle<E>>) {
     let tame = random.random_range(0..2_u8) == 0;
     let number = |random: &mut Pcg64| {
         if tame {

@@ -2,6 +2,7 @@
 
 mod contract;
 mod cracks;
+mod exact;
 mod limits;
 mod pairs;
 
@@ -32,7 +33,14 @@ pub struct StressSettings {
     pub watertight_rays: usize,
     /// Tests of random bits and of other hostile input, over all methods and kernels.
     pub fuzz: u64,
+    /// Tests of the methods that claim to be exact, against the oracle.
+    pub exact: u64,
 }
+
+/// A method that claims to be exact gave an answer that is not.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}; this is a bug in trisect, please report it with the command")]
+pub struct NotExact(pub String);
 
 /// A method's kernels in a precision, chosen by type.
 pub(crate) trait In<E: Precision> {
@@ -124,6 +132,7 @@ pub fn stress(settings: &StressSettings, progress: &mut dyn Progress) -> Vec<Rec
     let mut lines = Vec::new();
     if settings.pairs > 0 {
         lines.extend(hard_pairs(settings, progress));
+        lines.extend(exact::stages(settings, progress));
     }
     if settings.probes > 0 {
         lines.extend(limits::limits(settings, progress));
@@ -133,6 +142,9 @@ pub fn stress(settings: &StressSettings, progress: &mut dyn Progress) -> Vec<Rec
     }
     if settings.fuzz > 0 {
         lines.extend(contract::contract(settings, progress));
+    }
+    if settings.exact > 0 {
+        lines.extend(exact::exactness(settings, progress));
     }
     lines
 }

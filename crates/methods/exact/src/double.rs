@@ -2,6 +2,7 @@
 
 use trisect_core::{Ray, Triangle, Vec3};
 
+use crate::filter::{self, BoundedRay, SizedTriangle, Volumes};
 use crate::ladder::Outcome;
 
 /// Coordinates, differences and ends of the interval up to this keep all products in range.
@@ -133,21 +134,17 @@ fn quotients(det: Bounded, numerators: [Bounded; 3]) -> Option<[f64; 3]> {
     Some([quotient(t)?, quotient(beta)?, quotient(gamma)?])
 }
 
-/// The filter's bounds for numbers of f32, times this, are bounds for the same numbers in f64: the unit
-/// roundoff is that much smaller, and nothing underflows.
-const FROM_SINGLE: f64 = f64::from_bits((1023 - 29) << 52);
-
-/// `t`, `beta` and `gamma` of a pair of f32, rounded once, where f64 can tell by the filter's bounds of
-/// `det`, `U` and `V`, and of `T`: they cost nothing more. The pair is one that the filter takes.
-pub(crate) fn singles_within(
-    ray: &Ray<f64>,
-    triangle: &Triangle<f64>,
-    bound: f64,
-    bound_of_t: f64,
-) -> Option<[f64; 3]> {
-    let Triangle { a, b, c } = *triangle;
-    let [det, u, v, t] = volumes([ray.o - a, ray.d, b - a, c - a], Vec3::cross);
-    let [error, error_of_t] = [bound, bound_of_t].map(|x| x * FROM_SINGLE);
+/// `t`, `beta` and `gamma` of a pair of f32, rounded once, where the filter's bounds can tell, in f64: they
+/// cost less than the permanents.
+pub(crate) fn singles_within(ray: &Ray<f64>, triangle: &Triangle<f64>) -> Option<[f64; 3]> {
+    let ray = BoundedRay::new(ray.o, ray.d, 1.0);
+    let triangle = SizedTriangle::new(triangle);
+    let volumes = Volumes::new(&ray, &triangle);
+    let error = filter::bound(&ray, &triangle, &volumes);
+    if error >= filter::NO_BOUND {
+        return None;
+    }
     let bounded = |value| Bounded { value, error };
-    quotients(bounded(det), [Bounded { value: t, error: error_of_t }, bounded(u), bounded(v)])
+    let t = Bounded { value: volumes.t(), error: filter::bound_of_t(&triangle, &volumes, 1.0) };
+    quotients(bounded(volumes.det), [t, bounded(volumes.u), bounded(volumes.v)])
 }

@@ -330,6 +330,65 @@ mod tests {
         assert!(plain.largest.iter().all(|&x| x > 0.1), "{:?}", plain.largest);
     }
 
+    /// How large the least volume of a pair is, in units of the bound, where one that should be negative comes
+    /// out positive with the others: so much of the bound would call it a hit. Less than zero where that is
+    /// not so. The same in f64 stands for the exact numbers; the last test of a pair is the oracle's.
+    fn share_of_false_hit(numbers: &Numbers) -> f64 {
+        let [_, u, v, w, _] = computed::<f64>((), numbers);
+        if u.min(v).min(w) >= 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        let (ray, triangle) = pair::<f32>((), numbers);
+        let ray = BoundedRay::new(ray.o, ray.d, 1.0);
+        let volumes = Volumes::new(&ray, &triangle);
+        let least = volumes.u.min(volumes.v).min(volumes.w);
+        f64::from(least) / f64::from(bound(&ray, &triangle, &volumes))
+    }
+
+    /// Climbs from random pairs to such as would be called hits falsely if the bounds were narrower.
+    #[test]
+    #[ignore = "a search of minutes: it prints pairs for tests/teeth.rs"]
+    fn search_for_false_hits() {
+        let mut stream = Stream::new("exact/teeth", 1);
+        let mut best: Vec<(f64, Numbers)> = Vec::new();
+        for _ in 0..20_000 {
+            #[allow(clippy::cast_possible_truncation, reason = "any number will do")]
+            let mut numbers: Numbers = core::array::from_fn(|_| stream.range_f64(-1.0, 1.0) as f32);
+            let mut share = share_of_false_hit(&numbers);
+            let mut idle = 0;
+            while idle < 3000 {
+                let mut other = numbers;
+                // One number or two.
+                for _ in 0..=stream.bits() % 2 {
+                    let place = usize::try_from(stream.bits() % 15).unwrap_or(0);
+                    let size =
+                        f64::from(2.0_f32.powi(-(i32::try_from(stream.bits() % 26).unwrap_or(0))));
+                    let step = stream.range_f64(-1.0, 1.0) * size;
+                    #[allow(clippy::cast_possible_truncation, reason = "any number will do")]
+                    let moved = (f64::from(other[place]) * (1.0 + step)) as f32;
+                    other[place] = moved;
+                }
+                let moved = share_of_false_hit(&other);
+                idle += 1;
+                if moved >= share {
+                    if moved > share {
+                        idle = 0;
+                    }
+                    (numbers, share) = (other, moved);
+                }
+                // Most are stuck far below: others are likelier to rise.
+                if idle > 300 && share < 0.04 {
+                    break;
+                }
+            }
+            best.push((share, numbers));
+        }
+        best.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (share, numbers) in &best[..12] {
+            println!("    // {share:.3}\n    {:#010x?},", numbers.map(f32::to_bits));
+        }
+    }
+
     #[test]
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     fn fused_errors_stay_within_their_bounds() {

@@ -4,7 +4,7 @@ use core::cmp::Ordering;
 
 use trisect_core::{Ray, Triangle, Vec3};
 
-use crate::double::Estimate;
+use crate::double::{self, Estimate};
 use crate::whole::{self, Format, Volumes};
 
 /// Limbs for all that is computed from numbers of f32: 1673 bits for the order of two `t`.
@@ -74,7 +74,8 @@ pub(crate) fn values(
     unit: f64,
 ) -> [f64; 3] {
     let singles = match precision {
-        Precision::Single => Estimate::new(ray, triangle, unit).and_then(|e| e.singles()),
+        Precision::Single => double::singles_within(ray, triangle)
+            .or_else(|| Estimate::new(ray, triangle, unit).and_then(|e| e.singles())),
         // Its last bit cannot be told in the same precision.
         Precision::Double => None,
     };

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+use core::cmp::Ordering;
 use core::marker::PhantomData;
 
 use trisect_core::{
@@ -54,9 +55,10 @@ impl<W: Width> Method for Exact<W> {
         input: Input::Prepared,
         outputs: Output::ALL,
         forms: Forms::Deferred,
-        claims: Claims { watertight: true, culls: true, unit_direction: false },
+        claims: Claims { watertight: true, culls: true, unit_direction: false, exact: true },
         error_factor: 1.0,
     };
+    const STAGES: &'static [&'static str] = &Stage::NAMES;
     type Prepared = SizedTriangle<()>;
     type PreparedRay<L: Lanes> = BoundedRay<L>;
     type Alpha<L: Lanes> = Given<L>;
@@ -85,6 +87,32 @@ impl<W: Width> Method for Exact<W> {
     fn normal<L: Lanes>(triangle: &SizedTriangle<L>, _group: usize) -> Vec3<L> {
         let SizedTriangle { a, b, c, .. } = *triangle;
         (b - a).cross(c - a)
+    }
+
+    fn values<X: Scalar>(ray: &Ray<X>, triangle: &Of<Self::Prepared, X>) -> Hit<X> {
+        let precision = const { Precision::of_size(size_of::<X>()) };
+        let ray = ray.map(|x| x.to_f64());
+        let [a, b, c] = filter::corners(triangle).map(|corner| corner.map(X::to_f64));
+        let unit = double::UNIT * W::DOUBLE;
+        let [t, beta, gamma] = ladder::values(precision, &ray, &Triangle { a, b, c }, unit);
+        let [t, beta, gamma] = [t, beta, gamma].map(X::from_f64);
+        Hit { t, beta, gamma }
+    }
+
+    fn order<X: Scalar>(
+        ray: &Ray<X>,
+        first: &Of<Self::Prepared, X>,
+        second: &Of<Self::Prepared, X>,
+    ) -> Ordering {
+        let [first, second] = [first, second].map(|triangle| {
+            let [a, b, c] = filter::corners(triangle);
+            Triangle { a, b, c }
+        });
+        order(ray, &first, &second)
+    }
+
+    fn stage<X: Scalar>(ray: &Ray<X>, triangle: &Triangle<X>) -> usize {
+        Stage::of(ray, triangle) as usize
     }
 
     /// The filter, and for the few lanes that it leaves open the ladder.
@@ -126,9 +154,8 @@ impl<W: Width> Method for Exact<W> {
             return;
         }
         if D::VALUES {
-            // In place of the interval, which is settled.
-            let bounds = [bound, filter::bound_of_t(triangle, &volumes, W::FILTER)];
-            let pairs = Unpacked::new(ray, triangle, bounds);
+            // Without the interval, which is settled.
+            let pairs = Unpacked::new(ray, triangle, [zero; 2]);
             let mut rows = [[L::Elem::from_f64(0.0); BLOCK]; 3];
             values(&pairs, L::bits(mask), double::UNIT * W::DOUBLE, &mut rows);
             let token = ray.scale.token();
@@ -198,23 +225,13 @@ fn settle<X: Scalar>(pairs: &Unpacked<X>, open: u64, unit: f64, sides: &mut [X; 
     }
 }
 
-/// The values of the lanes that hit, each rounded once. In place of the interval the pairs have the
-/// filter's bounds.
+/// The values of the lanes that hit, each rounded once.
 #[inline(never)]
 fn values<X: Scalar>(pairs: &Unpacked<X>, hits: u64, unit: f64, rows: &mut [[X; BLOCK]; 3]) {
     let precision = const { Precision::of_size(size_of::<X>()) };
     for lane in lanes_of(hits) {
         let (ray, triangle) = pairs.pair(lane);
-        let (bound, bound_of_t) = (ray.tmin, ray.tmax);
-        let quick = if precision == Precision::Single && bound < filter::NO_BOUND {
-            double::singles_within(&ray, &triangle, bound, bound_of_t)
-        } else {
-            None
-        };
-        let values = match quick {
-            Some(values) => values,
-            None => ladder::values(precision, &ray, &triangle, unit),
-        };
+        let values = ladder::values(precision, &ray, &triangle, unit);
         rows[0][lane] = X::from_f64(values[0]);
         rows[1][lane] = X::from_f64(values[1]);
         rows[2][lane] = X::from_f64(values[2]);

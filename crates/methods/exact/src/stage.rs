@@ -23,6 +23,9 @@ impl Stage {
     /// All of them, cheapest first.
     pub const ALL: [Self; 4] = [Self::Miss, Self::Filter, Self::Double, Self::Whole];
 
+    /// Their names in records and tables.
+    pub const NAMES: [&'static str; 4] = ["miss", "filter", "f64", "whole"];
+
     /// Which stage decides a pair in plain arithmetic. Fused arithmetic has the same bounds, and numbers
     /// that differ by less.
     pub fn of<X: Scalar>(ray: &Ray<X>, triangle: &Triangle<X>) -> Self {

@@ -80,7 +80,7 @@ where
                  Computer Graphics Techniques 2(1), 2013",
         input: Input::Points,
         outputs: Output::ALL,
-        claims: Claims { watertight: true, culls: true, unit_direction: false },
+        claims: Claims { watertight: true, culls: true, unit_direction: false, exact: false },
         ..MethodInfo::USUAL
     };
     const TURNS: bool = true;

@@ -1,11 +1,13 @@
 //! The stability study: its summary, figures and page.
 
+pub(crate) mod exact;
 pub(crate) mod figures;
 pub(crate) mod findings;
 pub(crate) mod markdown;
 pub(crate) mod page;
 mod summary;
 
+pub use exact::{ExactnessRow, ExactnessSummary, exactness_summary};
 pub use summary::{StressRow, StressSummary, stress_summary};
 
 use trisect_harness::record::{StressFamily, StressLevel, Variant};

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use trisect_harness::record::Records;
 
+use super::exact;
 use super::figures;
 use super::markdown;
 use super::summary::{StressRow, StressSummary, of_view};
@@ -34,7 +35,7 @@ fn tables(view: &View) -> Vec<Titled> {
         let says = says.into();
         Titled { id, title, says, table }
     };
-    vec![
+    let mut tables = vec![
         table("f32", "All methods in f32", markdown::METHODS, markdown::methods(view, "f32")),
         table("f64", "All methods in f64", markdown::METHODS, markdown::methods(view, "f64")),
         table(
@@ -72,7 +73,15 @@ fn tables(view: &View) -> Vec<Titled> {
             markdown::ARITHMETIC,
             markdown::arithmetic(view),
         ),
-    ]
+    ];
+    // Records of earlier schemas have neither.
+    if !view.exactness.is_empty() {
+        tables.push(table("exact", "Exactness", exact::EXACTNESS, exact::exactness(view)));
+    }
+    if !view.stages.is_empty() {
+        tables.push(table("stages", "Stages", exact::STAGES, exact::stages(view)));
+    }
+    tables
 }
 
 fn findings(view: &View, summary: &StressSummary) -> Vec<Finding> {

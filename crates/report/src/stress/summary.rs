@@ -3,6 +3,7 @@
 use serde::Serialize;
 use trisect_harness::record::{Clause, Header, Records, Site};
 
+use super::exact::{ExactnessSummary, summed};
 use super::{BEYOND, division, families, pairs, stands_for};
 use crate::format::{number, or_dash, scientific};
 use crate::text::{Table, wrap};
@@ -20,6 +21,9 @@ pub struct StressSummary {
     pub contract_tests: u64,
     /// Those that violate a clause.
     pub contract_violations: u64,
+    /// What holding methods to exactness found, where any claims it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exactness: Option<ExactnessSummary>,
 }
 
 /// What was found about one method in one precision.
@@ -79,6 +83,7 @@ pub(crate) fn of_view(view: &View) -> StressSummary {
         rows,
         contract_tests: tests(view),
         contract_violations: clauses().map(|[_, violations]| violations).sum(),
+        exactness: (!view.exactness.is_empty()).then(|| summed(view.exactness.iter().copied())),
     }
 }
 
@@ -223,6 +228,9 @@ impl StressSummary {
         );
         out.push('\n');
         out.push_str(&wrap(&contract, width, ""));
+        if let Some(exactness) = &self.exactness {
+            out.push_str(&wrap(&format!("Exactness: {}", exactness.sentence()), width, ""));
+        }
         out
     }
 }

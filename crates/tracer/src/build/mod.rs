@@ -155,7 +155,8 @@ impl<M: Method> Bvh<M> {
         let Layout { nodes, blocks: members, depth, references } = layout;
         let (blocks, groups) = blocks::<M>(triangles, &members);
         let origin = Origin { builder, triangles: triangles.len(), left_out, references };
-        let mut bvh = Self { nodes, blocks, groups, depth, bounds, origin };
+        let places = places::<M>(triangles.len(), &members);
+        let mut bvh = Self { nodes, blocks, groups, places, depth, bounds, origin };
         if unit != 1.0 {
             // Boxes were rounded when they were scaled.
             bvh.bounds = fit_boxes(&mut bvh.nodes, triangles, &members);
@@ -201,7 +202,12 @@ fn both<X: Send>(
 fn blocks<M: Method>(triangles: &[Triangle<f32>], members: &[Members]) -> (Vec<Block<M>>, Vec<u8>) {
     let block = |members: &Members| Block {
         prepared: rows::<M::Prepared, f32, WIDTH>(|lane| {
-            let triangle = triangles.get(members.triangles[lane] as usize);
+            let number = members.triangles[lane];
+            let triangle = triangles.get(number as usize);
+            // Lanes that fill up a block are not to hit where each hit has a price.
+            let is_filler = lane > 0 && number == members.triangles[lane - 1];
+            let hides = const { M::INFO.claims.exact } && is_filler;
+            let triangle = triangle.filter(|_| !hides);
             let triangle = triangle.map_or(Triangle::nothing(), Triangle::or_nothing);
             M::prepare(&triangle, usize::from(members.group))
         }),
@@ -211,6 +217,22 @@ fn blocks<M: Method>(triangles: &[Triangle<f32>], members: &[Members]) -> (Vec<B
     let groups =
         if M::GROUPS > 1 { members.iter().map(|members| members.group).collect() } else { vec![] };
     (blocks, groups)
+}
+
+/// A place of each of so many triangles in the blocks, where the method asks for it.
+fn places<M: Method>(triangles: usize, members: &[Members]) -> Vec<u32> {
+    if const { !M::INFO.claims.exact } {
+        return Vec::new();
+    }
+    let mut places = vec![0; triangles];
+    // Of the lanes of a triangle that fills up its block the first, which is the one that is hit.
+    for (block, members) in members.iter().enumerate() {
+        for (lane, &triangle) in members.triangles.iter().enumerate().rev() {
+            places[triangle as usize] =
+                u32::try_from(block * WIDTH + lane).expect("a place has as many bits as a leaf");
+        }
+    }
+    places
 }
 
 /// A tree without the method's data.
