@@ -3,11 +3,13 @@
 
 mod arguments;
 mod compare;
+mod lines;
 mod list;
 mod output;
 mod pictures;
 mod progress;
 mod query;
+mod recommend;
 mod records;
 mod render;
 mod stress;
@@ -19,7 +21,7 @@ mod verify;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser as _};
-use trisect_harness::{StudyError, WrongAnswer};
+use trisect_harness::{RecommendError, StudyError, WrongAnswer};
 
 use arguments::{Arguments, Verb};
 
@@ -52,6 +54,7 @@ fn main() -> ExitCode {
         Some(Verb::Trace(arguments)) => trace::run(&arguments),
         Some(Verb::Query(arguments)) => query::run(&arguments),
         Some(Verb::Render(arguments)) => render::run(&arguments),
+        Some(Verb::Recommend(arguments)) => recommend::run(&arguments),
         Some(Verb::Pictures(arguments)) => pictures::run(&arguments),
         Some(Verb::Completions { shell }) => output::print(|out| {
             // Into memory first: the generator panics where it cannot write.
@@ -67,7 +70,8 @@ fn main() -> ExitCode {
             eprintln!("trisect: {}", one_line(&format!("{error:#}")));
             // 2: the input is at fault, as for clap's own errors; 1: trisect is.
             let is_ours = error.is::<WrongAnswer>()
-                || matches!(error.downcast_ref(), Some(StudyError::WrongAnswer(_)));
+                || matches!(error.downcast_ref(), Some(StudyError::WrongAnswer(_)))
+                || matches!(error.downcast_ref(), Some(RecommendError::WrongAnswer(_)));
             ExitCode::from(if is_ours { 1 } else { 2 })
         }
     }

@@ -13,7 +13,7 @@ use crate::compare::read;
 use crate::output;
 
 /// Columns of what is printed: a terminal's.
-const COLUMNS: usize = 80;
+pub(crate) const COLUMNS: usize = 80;
 
 pub(crate) fn rank(arguments: &Rank) -> Result<()> {
     let records = read(&arguments.record)?;

@@ -6,6 +6,7 @@ pub mod file;
 pub mod machine;
 mod measure;
 mod pictures;
+mod recommend;
 pub mod record;
 mod stress;
 mod study;
@@ -14,6 +15,9 @@ mod timing;
 
 pub use measure::{Progress, REFERENCE, Settings, Task, measure};
 pub use pictures::{PictureSettings, pictures};
+pub use recommend::{
+    Candidate, Exhaustive, RecommendError, RecommendSettings, Recommendation, recommend,
+};
 pub use stress::{StressSettings, stress};
 pub use study::{ClassOfRays, StudyError, StudySettings, classes_of_rays, keep_for_study, study};
 pub use timing::{WrongAnswer, nanoseconds};
