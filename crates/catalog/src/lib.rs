@@ -16,7 +16,7 @@ use trisect_core::{
 use kernel::Instances as _;
 pub use kernel::{Arrangement, Find, Finder, Kernel, Lane, Scene, Tally, Variant};
 
-pub use trisect_tracer::{Builder, Leaves, Statistics, Tracing, Tree, TriangleHit};
+pub use trisect_tracer::{Builder, Leaves, Statistics, Tracing, Tree, TriangleHit, fast_lanes};
 
 include!(concat!(env!("OUT_DIR"), "/methods.rs"));
 

@@ -18,6 +18,6 @@ mod waiting;
 
 pub use build::{Builder, Leaves, RefitError, UnknownBuilder};
 pub use bvh::{Bvh, Statistics};
-pub use dispatch::{Tracing, Tree};
+pub use dispatch::{Tracing, Tree, fast_lanes};
 pub use hit::TriangleHit;
 pub use scalar::{EveryTriangle, ScalarBvh};

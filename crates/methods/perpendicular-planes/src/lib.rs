@@ -4,8 +4,8 @@
 use core::marker::PhantomData;
 
 use trisect_core::{
-    Forms, Frame, Homogeneous, Implied, Lanes, Method, MethodInfo, Of, Output, PlaneFirst, Quotients, Ray,
-    Scalar, Slopes, ThreePlanes, Triangle, Vec3, Vertex, World,
+    Forms, Frame, Homogeneous, Implied, Lanes, Method, MethodInfo, Of, Output, PlaneFirst,
+    Quotients, Ray, Scalar, Slopes, ThreePlanes, Triangle, Vec3, Vertex, World,
 };
 
 /// Perpendicular planes, Havel 2008, with constants in frame `F`.
