@@ -46,6 +46,8 @@ pub(crate) enum Verb {
     Render(Render),
     /// Recommend a kernel for a mesh, its rays and what is asked
     Recommend(Recommend),
+    /// Explain what a scene needs, what is left out for it, and what that gains
+    Explain(Explain),
     /// Study how fast pictures of the mirror scene are, and draw one of every feature
     Pictures(Pictures),
     /// Print a completion script for a shell
@@ -330,6 +332,45 @@ pub(crate) struct Query {
     /// Test every triangle instead of those that a tree leaves; f64 and --division always do
     #[arg(long)]
     pub brute_force: bool,
+}
+
+/// Explain what a scene's picture needs, what is left out of the code that draws it, and how much longer it
+/// takes with each of that put back, in turn on this machine.
+#[derive(Debug, Args)]
+pub(crate) struct Explain {
+    /// Scene: TOML, glTF, OBJ with its materials, or a mesh alone (PLY, STL)
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Pixels across
+    #[arg(long, value_name = "N", default_value_t = 320, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub width: u32,
+    /// Pixels down
+    #[arg(long, value_name = "N", default_value_t = 240, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub height: u32,
+    /// How often a ray may be reflected or refracted
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(..=1000))]
+    pub depth: u32,
+    /// The first so many lights of the scene; all if left out
+    #[arg(long, value_name = "N")]
+    pub lights: Option<u16>,
+    /// A method of `trisect list`
+    #[arg(long, value_name = "NAME", default_value = "moller-trumbore")]
+    pub method: String,
+    /// How trees are built: the quickest to build, or the fastest to trace
+    #[arg(long, value_name = "NAME", default_value_t, value_parser = builders())]
+    pub builder: Builder,
+    /// Pictures of each kind
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub rounds: u32,
+    /// Seed of the order of pictures
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Threads
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Recommend a kernel: measure all that answer what is asked on your own triangles and rays, and name the

@@ -61,31 +61,57 @@ impl Names {
     }
 }
 
-/// How triangles are prepared for a kernel, and what calls it.
-pub(crate) fn of(variant: &Variant) -> String {
-    let method = trisect_catalog::find(&variant.method).expect("what was measured is there");
-    let Variant { precision, width, .. } = variant;
-    let crates = method.type_name.split("::").next().unwrap_or_default().replace('_', "-");
-    let Names { lanes, division, kernel, shared, token, imports } = Names::of(variant);
-    let rays = if kernel == "one_ray" { "ray" } else { "packets" };
-    let bound = if kernel == "one_ray" { "Ray" } else { "Packets" };
-
-    let mut out = format!("// Crates: trisect-core, {crates}");
-    if let Some((module, token)) = token {
-        out += ", fearless_simd.\n";
-        let _ = writeln!(out, "use fearless_simd::{{{precision}x{width}, {module}::{token}}};");
-    } else {
-        out += ".\n";
+/// The lines that import names of a crate.
+fn import(krate: &str, names: &[String]) -> String {
+    if let [name] = names {
+        return format!("use {krate}::{name};\n");
     }
-    let mut line = "use trisect_core::{".to_owned();
-    for name in &imports {
+    let mut out = String::new();
+    let mut line = format!("use {krate}::{{");
+    for name in names {
         if line.len() + name.len() > COLUMNS - 3 {
             let _ = writeln!(out, "{}", line.trim_end());
             "    ".clone_into(&mut line);
         }
         let _ = write!(line, "{name}, ");
     }
-    let _ = writeln!(out, "{}}};\n", line.trim_end_matches(", "));
+    let _ = writeln!(out, "{}}};", line.trim_end_matches(", "));
+    out
+}
+
+/// How triangles are prepared for a kernel, and what calls it.
+pub(crate) fn of(variant: &Variant) -> String {
+    let method = trisect_catalog::find(&variant.method).expect("what was measured is there");
+    let Variant { precision, width, .. } = variant;
+    let Names { lanes, division, kernel, shared, token, mut imports } = Names::of(variant);
+    // The method's type without its paths, whose names are imported.
+    let mut short = method.type_name.clone();
+    let (mut krate, mut of_method) = ("", Vec::new());
+    for path in method.type_name.split(|c: char| !(c.is_alphanumeric() || "_:".contains(c))) {
+        let Some((root, name)) = path.split_once("::") else { continue };
+        short = short.replace(path, name);
+        if root == "trisect_core" {
+            imports.push(name.to_owned());
+        } else {
+            krate = root;
+            of_method.push(name.to_owned());
+        }
+    }
+    of_method.sort_unstable();
+    imports.sort_by_key(|name| name.to_lowercase());
+    let rays = if kernel == "one_ray" { "ray" } else { "packets" };
+    let bound = if kernel == "one_ray" { "Ray" } else { "Packets" };
+
+    let mut out = format!("// Crates: trisect-core, {}", krate.replace('_', "-"));
+    if let Some((module, token)) = token {
+        out += ", fearless_simd.\n";
+        let _ = writeln!(out, "use fearless_simd::{{{precision}x{width}, {module}::{token}}};");
+    } else {
+        out += ".\n";
+    }
+    out += &import("trisect_core", &imports);
+    out += &import(krate, &of_method);
+    out.push('\n');
     let _ = write!(
         out,
         "type Method = {};
@@ -121,7 +147,7 @@ fn trace(
     Some(())
 }}
 ",
-        method.type_name,
+        short,
         token.map_or_else(
             || ".".to_owned(),
             |_| format!("; none without {}.", variant.instruction_set)
@@ -187,9 +213,11 @@ mod tests {
         fs::create_dir(path.join("src")).expect("a folder");
         fs::write(path.join("Cargo.toml"), own).expect("a file");
         fs::copy(root.join("Cargo.lock"), path.join("Cargo.lock")).expect("a file");
-        let modules: String = programs.keys().map(|name| format!("mod {name};\n")).collect();
-        fs::write(path.join("src/lib.rs"), format!("#![allow(dead_code)]\n{modules}"))
-            .expect("a file");
+        let mut modules = "#![allow(dead_code)]\n".to_owned();
+        for name in programs.keys() {
+            let _ = writeln!(modules, "mod {name};");
+        }
+        fs::write(path.join("src/lib.rs"), modules).expect("a file");
         for (name, program) in &programs {
             fs::write(path.join(format!("src/{name}.rs")), program).expect("a file");
         }

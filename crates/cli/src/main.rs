@@ -3,6 +3,7 @@
 
 mod arguments;
 mod compare;
+mod explain;
 mod lines;
 mod list;
 mod output;
@@ -55,6 +56,7 @@ fn main() -> ExitCode {
         Some(Verb::Query(arguments)) => query::run(&arguments),
         Some(Verb::Render(arguments)) => render::run(&arguments),
         Some(Verb::Recommend(arguments)) => recommend::run(&arguments),
+        Some(Verb::Explain(arguments)) => explain::run(&arguments),
         Some(Verb::Pictures(arguments)) => pictures::run(&arguments),
         Some(Verb::Completions { shell }) => output::print(|out| {
             // Into memory first: the generator panics where it cannot write.

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod answers;
+mod explain;
 pub mod file;
 pub mod machine;
 mod measure;
@@ -13,6 +14,7 @@ mod study;
 mod subject;
 mod timing;
 
+pub use explain::{Explanation, Omission, explain};
 pub use measure::{Progress, REFERENCE, Settings, Task, measure};
 pub use pictures::{PictureSettings, pictures};
 pub use recommend::{

@@ -120,6 +120,11 @@ pub enum RecommendError {
         /// The least there is.
         least: f64,
     },
+    /// No error is known.
+    #[error(
+        "none of the rays tried hits the mesh, so that no error is known; give rays that do with --rays"
+    )]
+    NoHits,
     /// No kernel is compiled for that.
     #[error(
         "no watertight kernel is compiled that gives {needs}; leave out --watertight, or ask for less with --needs"
@@ -148,6 +153,9 @@ pub fn recommend(
     let subject = sample(triangles, rays, &mut random);
     let timed_rays = TIMED_RAYS.min(subject.rays32.len());
     progress.step();
+    if subject.truth.is_empty() && settings.max_error.is_some() {
+        return Err(RecommendError::NoHits);
+    }
 
     let mut search = Search {
         settings,

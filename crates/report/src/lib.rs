@@ -7,6 +7,7 @@ mod figures;
 mod format;
 mod havel;
 mod markdown;
+mod omissions;
 mod page;
 mod pictures;
 mod rank;
