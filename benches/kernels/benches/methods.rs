@@ -54,7 +54,8 @@ impl Group<'_> {
         group.throughput(Throughput::Elements(self.tests)).sampling_mode(SamplingMode::Flat);
         // Made when the first kernel that is not filtered out asks.
         let scene = OnceCell::new();
-        let hits: Vec<OnceCell<u64>> = kernels.finders.iter().map(|_| OnceCell::new()).collect();
+        let finders: Vec<&Finder> = kernels.finders.iter().chain(&kernels.deciders).collect();
+        let hits: Vec<OnceCell<u64>> = finders.iter().map(|_| OnceCell::new()).collect();
         let common = Common::of(rays);
         let serves = |kernel: &&Kernel| {
             kernel.variant.lane.instruction_set.is_available() && kernel.arrangement.serves(common)
@@ -67,9 +68,9 @@ impl Group<'_> {
                     eprintln!("{}: cannot take these triangles", self.name);
                     return;
                 };
-                let answering = finder_for(kernels, kernel);
+                let answering = finder_for(&finders, kernel);
                 let expected =
-                    *hits[answering].get_or_init(|| count_hits(&kernels.finders[answering], scene));
+                    *hits[answering].get_or_init(|| count_hits(finders[answering], scene));
                 let tally = kernel.run(scene);
                 assert_eq!(tally.hits, expected, "{}: wrong hits", kernel_name(kernel));
                 assert!(tally.sum.is_finite(), "{}: wrong sum", kernel_name(kernel));
@@ -82,11 +83,10 @@ impl Group<'_> {
 
 /// The finder whose hits a kernel must count: of plain kernels the scalar, since plain arithmetic
 /// gives the same bits on every width; of others the kernel's own.
-fn finder_for<E: Precision>(kernels: &Kernels<E>, kernel: &Kernel) -> usize {
+fn finder_for(finders: &[&Finder], kernel: &Kernel) -> usize {
     let variant = kernel.variant;
     let is_plain = variant.lane.arithmetic == "plain" && variant.reciprocal == "true";
-    kernels
-        .finders
+    finders
         .iter()
         .position(|finder| {
             if is_plain {

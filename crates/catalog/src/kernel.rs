@@ -165,6 +165,11 @@ impl Kernel {
         }
     }
 
+    /// Where its code is, for who looks at what was compiled.
+    pub fn address(&self) -> usize {
+        self.run as *const () as usize
+    }
+
     /// Tests every ray of `scene` against every triangle.
     ///
     /// # Panics

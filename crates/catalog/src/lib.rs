@@ -16,7 +16,7 @@ use trisect_core::{
 use kernel::Instances as _;
 pub use kernel::{Arrangement, Find, Finder, Kernel, Lane, Scene, Tally, Variant};
 
-pub use trisect_tracer::{Builder, Leaves, Statistics, Tracing, Tree, TriangleHit};
+pub use trisect_tracer::{Builder, Leaves, Statistics, Tracing, Tree, TriangleHit, fast_lanes};
 
 include!(concat!(env!("OUT_DIR"), "/methods.rs"));
 
@@ -24,6 +24,8 @@ include!(concat!(env!("OUT_DIR"), "/methods.rs"));
 pub struct Entry {
     /// Facts about the method.
     pub info: MethodInfo,
+    /// Its type, as a program names it.
+    pub type_name: String,
     /// What it costs, counted by running its formula.
     pub cost: Cost,
     /// Its f32 kernels.
@@ -60,6 +62,9 @@ pub struct Kernels<E: Precision> {
     pub timed: Vec<Kernel>,
     /// Kernels that hand out every hit, for answers and errors.
     pub finders: Vec<Finder>,
+    /// The same for methods that [decide apart](MethodInfo::decides_apart): these decide by numerators,
+    /// as their deferred kernels for occlusion do, and are no form of the method's to answer with.
+    pub deciders: Vec<Finder>,
 }
 
 /// Prepares triangles and rays for the kernels of one method and precision.
@@ -72,6 +77,7 @@ pub fn entries() -> &'static [Entry] {
         fn visit<M: Method>(&mut self) {
             self.0.push(Entry {
                 info: M::INFO,
+                type_name: type_name::<M>(),
                 cost: cost::<M>(),
                 f32: matrix::kernels::<M, f32>(),
                 f64: matrix::kernels::<M, f64>(),
@@ -90,12 +96,40 @@ pub fn entries() -> &'static [Entry] {
     })
 }
 
+/// A type by its crate and name: what this workspace exports for others lies at a crate's root.
+fn type_name<T>() -> String {
+    let full = std::any::type_name::<T>();
+    let word = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    let mut short = String::new();
+    for part in full.split_inclusive(|c: char| !word(c)) {
+        let (path, rest) = part.split_at(part.find(|c: char| !word(c)).unwrap_or(part.len()));
+        let (krate, name) = (path.split("::").next(), path.rsplit_once("::"));
+        short.extend(krate.filter(|_| name.is_some()));
+        short.extend(name.map(|_| "::"));
+        short += name.map_or(path, |(_, name)| name);
+        short += rest;
+    }
+    short
+}
+
 /// The method of that name.
 pub fn find(name: &str) -> Option<&'static Entry> {
     entries().iter().find(|entry| entry.info.name == name)
 }
 
 impl<E: Precision> Kernels<E> {
+    /// The finder that computes as a kernel of these does.
+    ///
+    /// # Panics
+    /// When the kernel is another's.
+    pub fn finder_of(&self, kernel: &Kernel) -> &Finder {
+        self.finders
+            .iter()
+            .chain(&self.deciders)
+            .find(|finder| finder.variant == kernel.variant)
+            .expect("every timed variant has a finder")
+    }
+
     /// The divisions that the method has, the one that decides without quotients first.
     pub fn divisions(&self) -> impl Iterator<Item = &'static str> {
         ["deferred", "early"].into_iter().filter(|division| {

@@ -9,7 +9,7 @@
 use std::marker::PhantomData;
 
 use trisect_core::{
-    Barycentrics, CommonDirection, CommonOrigin, Deferred, Distance, Division, Early,
+    Barycentrics, CommonDirection, CommonOrigin, DecisionOnly, Deferred, Distance, Division, Early,
     InstructionSet, Lanes, LanesVisitor, Method, Needs, Newton, Normal, Occlusion, Output, Point,
     Precision, Token, TrueDivision,
 };
@@ -22,10 +22,15 @@ const FULL: bool = cfg!(feature = "full");
 
 /// The compiled kernels of a method in one precision.
 pub(crate) fn kernels<M: Method, E: Precision>() -> Kernels<E> {
-    let mut collect = Collect::<M> { timed: Vec::new(), finders: Vec::new(), method: PhantomData };
+    let mut collect = Collect::<M> {
+        timed: Vec::new(),
+        finders: Vec::new(),
+        deciders: Vec::new(),
+        method: PhantomData,
+    };
     E::visit_native(&mut collect);
-    let Collect { timed, finders, .. } = collect;
-    Kernels { prepare: Scene::prepare::<M, E>, stage: M::stage::<E>, timed, finders }
+    let Collect { timed, finders, deciders, .. } = collect;
+    Kernels { prepare: Scene::prepare::<M, E>, stage: M::stage::<E>, timed, finders, deciders }
 }
 
 /// The tests of a method in flushing arithmetic.
@@ -43,6 +48,7 @@ pub(crate) fn flushing<M: Method>() -> Vec<(&'static str, FlushingTest)> {
 struct Collect<M> {
     timed: Vec<Kernel>,
     finders: Vec<Finder>,
+    deciders: Vec<Finder>,
     method: PhantomData<M>,
 }
 
@@ -63,17 +69,20 @@ impl<M: Method> LanesVisitor for Collect<M> {
             self.each_form::<L, false, OneRay>();
         }
         if const { FULL || (is_single::<L>() && L::N == 1) } {
-            self.needs::<L, Occlusion, true>();
+            self.occlusion::<L, true>();
             self.need::<L, Distance, true>();
         }
         if const { FULL || (is_single::<L>() && is_best::<L>()) } {
-            self.needs::<L, Occlusion, false>();
+            self.occlusion::<L, false>();
             self.need::<L, Distance, false>();
             self.one_form::<L, OneTriangle>();
             self.one_form::<L, CommonOrigin>();
             self.one_form::<L, CommonDirection>();
             self.need::<L, Point, false>();
             self.need::<L, Normal, false>();
+        }
+        if const { M::INFO.decides_apart() && (FULL || is_single::<L>()) } {
+            self.deciders.push(Finder::new::<M, L, DecisionOnly<Deferred<TrueDivision, true>>>());
         }
         if const { FULL } {
             self.each_form::<L, true, OneTriangle>();
@@ -118,13 +127,16 @@ impl<M: Method> Collect<M> {
         }
     }
 
-    /// What is asked, in each form that the method has.
-    fn needs<L: Lanes<Elem: Precision>, N: Needs, const EARLY_OUT: bool>(&mut self) {
+    /// Whether there is a hit, in each form that the method has, and without a division where it can.
+    fn occlusion<L: Lanes<Elem: Precision>, const EARLY_OUT: bool>(&mut self) {
         if const { M::INFO.forms.early() } {
-            self.push_once(Kernel::new::<M, L, Early<TrueDivision, EARLY_OUT>, N, OneRay>());
+            let kernel = Kernel::new::<M, L, Early<TrueDivision, EARLY_OUT>, Occlusion, OneRay>();
+            self.timed.push(kernel);
         }
-        if const { M::INFO.forms.deferred() } {
-            self.push_once(Kernel::new::<M, L, Deferred<TrueDivision, EARLY_OUT>, N, OneRay>());
+        if const { !M::INFO.always_divides } {
+            let kernel =
+                Kernel::new::<M, L, Deferred<TrueDivision, EARLY_OUT>, Occlusion, OneRay>();
+            self.timed.push(kernel);
         }
     }
 

@@ -44,6 +44,10 @@ pub(crate) enum Verb {
     Query(Query),
     /// Render a scene to a picture
     Render(Render),
+    /// Recommend a kernel for a mesh, its rays and what is asked
+    Recommend(Recommend),
+    /// Explain what a scene needs, what is left out for it, and what that gains
+    Explain(Explain),
     /// Study how fast pictures of the mirror scene are, and draw one of every feature
     Pictures(Pictures),
     /// Print a completion script for a shell
@@ -336,6 +340,91 @@ pub(crate) struct Query {
     pub brute_force: bool,
 }
 
+/// Explain what a scene's picture needs, what is left out of the code that draws it, and how much longer it
+/// takes with each of that put back, in turn on this machine.
+#[derive(Debug, Args)]
+pub(crate) struct Explain {
+    /// Scene: TOML, glTF, OBJ with its materials, or a mesh alone (PLY, STL)
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Pixels across
+    #[arg(long, value_name = "N", default_value_t = 320, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub width: u32,
+    /// Pixels down
+    #[arg(long, value_name = "N", default_value_t = 240, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub height: u32,
+    /// How often a ray may be reflected or refracted
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(..=1000))]
+    pub depth: u32,
+    /// The first so many lights of the scene; all if left out
+    #[arg(long, value_name = "N")]
+    pub lights: Option<u16>,
+    /// A method of `trisect list`
+    #[arg(long, value_name = "NAME", default_value = "moller-trumbore")]
+    pub method: String,
+    /// How trees are built: the quickest to build, or the fastest to trace
+    #[arg(long, value_name = "NAME", default_value_t, value_parser = builders())]
+    pub builder: Builder,
+    /// Pictures of each kind
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub rounds: u32,
+    /// Seed of the order of pictures
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Threads
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Recommend a kernel: measure all that answer what is asked on your own triangles and rays, and name the
+/// fastest, with the lines of Rust that use it.
+#[derive(Debug, Args)]
+pub(crate) struct Recommend {
+    /// Mesh: PLY, OBJ, STL or glTF
+    #[arg(long, value_name = "FILE")]
+    pub mesh: PathBuf,
+    /// Rays: CSV, binary .rays, or - for CSV from standard input; a camera's, diffusely scattered
+    /// ones and shadow rays if left out
+    #[arg(long, value_name = "FILE")]
+    pub rays: Option<PathBuf>,
+    /// What is asked of a hit
+    #[arg(long, default_value = "barycentrics")]
+    pub needs: Needs,
+    /// The largest error allowed: relative of t, absolute of barycentrics; of occlusion the share of
+    /// hits that are wrong
+    #[arg(long, value_name = "X", value_parser = error)]
+    pub max_error: Option<f64>,
+    /// Only kernels that let no ray pass between triangles that share an edge
+    #[arg(long)]
+    pub watertight: bool,
+    /// Seconds that the kernels race
+    #[arg(long, value_name = "N", default_value_t = 4.0, value_parser = seconds)]
+    pub seconds: f64,
+    /// Measure all kernels as well, and say how far the choice is behind the best
+    #[arg(long)]
+    pub exhaustive: bool,
+    /// Seed of every random choice
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// An error that is allowed.
+fn error(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x| *x >= 0.0).ok_or_else(|| "not a number from 0".to_owned())
+}
+
+/// A time for a race.
+fn seconds(text: &str) -> Result<f64, String> {
+    let time = text.parse().ok().filter(|x| (0.0..=3600.0).contains(x));
+    time.ok_or_else(|| "not a number from 0 to 3600".to_owned())
+}
+
 /// Render a scene to a picture: after Whitted, with ambient occlusion, or by tracing paths.
 ///
 /// The same scene, seed and settings give the same picture to the bit, for any number of threads and
@@ -438,12 +527,18 @@ pub(crate) enum Needs {
 
 impl Needs {
     pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Occlusion => "occlusion",
-            Self::T => "t",
-            Self::Barycentrics => "barycentrics",
-            Self::Point => "point",
-            Self::Normal => "normal",
+        trisect_core::Output::from(self).name()
+    }
+}
+
+impl From<Needs> for trisect_core::Output {
+    fn from(needs: Needs) -> Self {
+        match needs {
+            Needs::Occlusion => Self::Occlusion,
+            Needs::T => Self::T,
+            Needs::Barycentrics => Self::Barycentrics,
+            Needs::Point => Self::Point,
+            Needs::Normal => Self::Normal,
         }
     }
 }

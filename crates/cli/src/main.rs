@@ -3,11 +3,14 @@
 
 mod arguments;
 mod compare;
+mod explain;
+mod lines;
 mod list;
 mod output;
 mod pictures;
 mod progress;
 mod query;
+mod recommend;
 mod records;
 mod render;
 mod stress;
@@ -19,7 +22,7 @@ mod verify;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser as _};
-use trisect_harness::{NotExact, StudyError, WrongAnswer};
+use trisect_harness::{NotExact, RecommendError, StudyError, WrongAnswer};
 
 use arguments::{Arguments, Verb};
 
@@ -52,6 +55,8 @@ fn main() -> ExitCode {
         Some(Verb::Trace(arguments)) => trace::run(&arguments),
         Some(Verb::Query(arguments)) => query::run(&arguments),
         Some(Verb::Render(arguments)) => render::run(&arguments),
+        Some(Verb::Recommend(arguments)) => recommend::run(&arguments),
+        Some(Verb::Explain(arguments)) => explain::run(&arguments),
         Some(Verb::Pictures(arguments)) => pictures::run(&arguments),
         Some(Verb::Completions { shell }) => output::print(|out| {
             // Into memory first: the generator panics where it cannot write.
@@ -68,7 +73,8 @@ fn main() -> ExitCode {
             // 2: the input is at fault, as for clap's own errors; 1: trisect is.
             let is_ours = error.is::<WrongAnswer>()
                 || error.is::<NotExact>()
-                || matches!(error.downcast_ref(), Some(StudyError::WrongAnswer(_)));
+                || matches!(error.downcast_ref(), Some(StudyError::WrongAnswer(_)))
+                || matches!(error.downcast_ref(), Some(RecommendError::WrongAnswer(_)));
             ExitCode::from(if is_ours { 1 } else { 2 })
         }
     }

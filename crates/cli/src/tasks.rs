@@ -172,7 +172,7 @@ pub(crate) fn verification(
             rays: rays.rays_f32.clone(),
             triangles: Arc::clone(&mesh.triangles),
         }],
-        None => mesh_workloads(seed, mesh, QUICK.picture),
+        None => mesh_workloads(seed, mesh, QUICK.picture).into(),
     });
     workloads.map(|workload| task(workload, Family::Mesh, 0)).collect()
 }
@@ -182,8 +182,14 @@ fn task(workload: Workload, family: Family, timed_rays: usize) -> Task {
     Task { name, description, family, rays, triangles: triangles.to_vec(), timed_rays }
 }
 
+/// Rays that a renderer sends through a mesh: a camera's, scattered and shadow rays.
+pub(crate) fn usual_rays(seed: u64, mesh: &Mesh) -> Vec<Ray<f32>> {
+    let [primary, _random, bounce, occlusion] = mesh_workloads(seed, mesh, QUICK.picture * 2);
+    [primary, bounce, occlusion].into_iter().flat_map(|workload| workload.rays).collect()
+}
+
 /// Primary, random, diffuse and occlusion rays against a mesh.
-fn mesh_workloads(seed: u64, mesh: &Mesh, picture: usize) -> Vec<Workload> {
+fn mesh_workloads(seed: u64, mesh: &Mesh, picture: usize) -> [Workload; 4] {
     let primary = trisect_workloads::primary(mesh, picture, picture);
     let closest = closest(&primary.rays, mesh);
     let mut next = closest.iter();
@@ -195,7 +201,7 @@ fn mesh_workloads(seed: u64, mesh: &Mesh, picture: usize) -> Vec<Workload> {
     let occlusion =
         trisect_workloads::occlusion(seed, mesh, &light, picture, picture, &mut look_up);
     let random = trisect_workloads::random_through_box(seed, mesh, picture * picture);
-    vec![primary, random, bounce, occlusion]
+    [primary, random, bounce, occlusion]
 }
 
 /// The closest hit of each ray, by the first method of the catalogue.

@@ -72,6 +72,59 @@ fn rays_are_traced_and_their_hits_are_written() {
 }
 
 #[test]
+fn a_kernel_is_recommended() {
+    let folder = Folder::new();
+    let bunny = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/meshes/bunny.ply");
+    let recommend = format!("recommend --mesh {bunny} --seconds 0");
+    let run = folder.trisect(&format!("{recommend} --max-error 1e-4 --exhaustive --json"), b"");
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let found: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
+    let ranking = found["ranking"].as_array().expect("a list");
+    let speeds: Vec<f64> =
+        ranking.iter().filter_map(|kernel| kernel["ns_per_test"].as_f64()).collect();
+    assert!(speeds.len() == ranking.len() && ranking.len() > 1);
+    assert!(speeds.is_sorted(), "the fastest first: {speeds:?}");
+    assert!(ranking.iter().all(|kernel| kernel["error"].as_f64() <= Some(1e-4)));
+    assert!(ranking.iter().all(|kernel| kernel["needs"] == "barycentrics"));
+    let method = ranking[0]["method"].as_str().expect("a name");
+    let entry = trisect_catalog::find(method).expect("it is in the catalogue");
+    assert!(found["rust"].as_str().is_some_and(|lines| lines.contains(&entry.type_name)));
+    assert!(found["hits"].as_u64() > Some(50), "{}", found["hits"]);
+    assert!(found["exhaustive"]["behind"].as_f64() >= Some(0.0));
+
+    let watertight = folder.trisect(&format!("{recommend} --needs t --watertight"), b"");
+    assert_eq!((watertight.code, watertight.stderr.as_str()), (Some(0), ""));
+    let text = &watertight.stdout;
+    assert!(text.contains("deferred") && !text.contains("fused"), "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+}
+
+#[test]
+fn what_a_scene_does_not_need_is_explained() {
+    let folder = Folder::new();
+    let explain = "explain mesh.obj --rounds 2 --width 16 --height 16 --lights 0";
+    let run = folder.trisect(&format!("{explain} --json"), b"");
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+    let found: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
+    let omissions = found["omissions"].as_array().expect("a list");
+    let parts: Vec<_> = omissions.iter().filter_map(|o| o["part"].as_str()).collect();
+    assert_eq!(parts, ["shapes", "varying", "shadows", "onward", "everything"]);
+    assert!(omissions.iter().all(|o| o["left_out"] == true && o["gain"].is_f64()), "{omissions:?}");
+
+    // Mirrors are needed once they are followed.
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/scenes/mirror.toml");
+    for (depth, left_out) in [(0, true), (1, false)] {
+        let explain = format!("explain {scene} --rounds 1 --width 16 --height 16 --depth {depth}");
+        let run = folder.trisect(&format!("{explain} --json"), b"");
+        let found: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
+        assert_eq!(found["omissions"][3]["part"], "onward");
+        assert_eq!(found["omissions"][3]["left_out"], left_out, "{depth}");
+    }
+    let text = folder.trisect(explain, b"").stdout;
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+}
+
+#[test]
 fn no_rays_have_no_answers() {
     let folder = Folder::new();
     folder.write("none.rays", &[0; 4]);

@@ -25,7 +25,7 @@ fn documents_are_spliced_from_their_record() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let folder = root.join("reports/2026-11-24-zen4");
     for (record, documents) in [
-        ("record.jsonl", &["README.md", "docs/HAVEL.md"][..]),
+        ("record.jsonl", &["README.md", "docs/HAVEL.md", "docs/NEEDS.md"][..]),
         ("stress.jsonl", &["docs/STABILITY.md", "docs/CONTRACT.md"]),
         ("study.jsonl", &["docs/TRACER.md"]),
         ("pictures.jsonl", &["docs/PICTURES.md"]),

@@ -19,6 +19,8 @@ pub struct MethodInfo {
     pub outputs: &'static [Output],
     /// Which of the two forms of the division the method has.
     pub forms: Forms,
+    /// Whether it cannot decide without a division, having no numerators to decide by.
+    pub always_divides: bool,
     /// What it promises.
     pub claims: Claims,
     /// The claim behind its error bound in well-conditioned cases, as a multiple of
@@ -37,6 +39,7 @@ impl MethodInfo {
         input: Input::Prepared,
         outputs: Output::ALL_BUT_NORMAL,
         forms: Forms::Both,
+        always_divides: false,
         claims: Claims { watertight: false, culls: true, unit_direction: false, exact: false },
         error_factor: 64.0,
     };
@@ -125,6 +128,13 @@ pub enum Forms {
     Early,
     /// Deferred alone.
     Deferred,
+}
+
+impl MethodInfo {
+    /// Whether who asks for no values is answered by numerators that no listed form computes.
+    pub const fn decides_apart(&self) -> bool {
+        !self.forms.deferred() && !self.always_divides
+    }
 }
 
 impl Forms {

@@ -118,10 +118,11 @@ pub trait Method: Send + Sync + Sized + 'static {
     /// What is computed once per ray for triangles of kind `group`.
     fn prepare_ray<L: Lanes>(ray: &Ray<L>, group: usize) -> Self::PreparedRay<L>;
 
-    /// The formula.
+    /// The formula. A method that has the early form alone gives it for decisions without values, which
+    /// are made by numerators, unless it [always divides](MethodInfo::always_divides).
     ///
     /// # Panics
-    /// Where the method has the early form alone and does not give another.
+    /// Where the method always divides.
     #[inline(always)]
     fn intersect<L: Lanes>(
         _ray: &Self::PreparedRay<L>,

@@ -123,6 +123,21 @@ impl Answers {
         (count, quantiles(relative), quantiles(ulps))
     }
 
+    /// How far the pairs that both call a hit are off, by a measure of choice.
+    pub(crate) fn differences(
+        &self,
+        reference: &[Pair],
+        measure: impl Fn(&Hit<f64>, &Hit<f64>) -> f64,
+    ) -> Quantiles {
+        let shared = both(&self.pairs, reference);
+        quantiles(shared.map(|(pair, exact)| measure(&pair.hit, &exact.hit)).collect())
+    }
+
+    /// Pairs that one of both calls a hit, and the other does not.
+    pub(crate) fn disagreements(&self, reference: &[Pair]) -> usize {
+        self.pairs.len() + reference.len() - 2 * both(&self.pairs, reference).count()
+    }
+
     /// The confusion table against the oracle.
     pub(crate) fn decisions(&self, subject: &Subject) -> Vec<ClassCount> {
         let mut called_hit = vec![0_u64; trisect_oracle::Class::ALL.len()];

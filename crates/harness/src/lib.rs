@@ -2,18 +2,24 @@
 #![forbid(unsafe_code)]
 
 mod answers;
+mod explain;
 pub mod file;
 pub mod machine;
 mod measure;
 mod pictures;
+mod recommend;
 pub mod record;
 mod stress;
 mod study;
 mod subject;
 mod timing;
 
+pub use explain::{Explanation, Omission, explain};
 pub use measure::{Progress, REFERENCE, Settings, Task, measure};
 pub use pictures::{PictureSettings, pictures};
+pub use recommend::{
+    Candidate, Exhaustive, RecommendError, RecommendSettings, Recommendation, recommend,
+};
 pub use stress::{NotExact, StressSettings, stress};
 pub use study::{ClassOfRays, StudyError, StudySettings, classes_of_rays, keep_for_study, study};
 pub use timing::{WrongAnswer, nanoseconds};

@@ -4,7 +4,7 @@ use std::time::{Instant, SystemTime};
 
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use trisect_catalog::{Arrangement, Entry, Kernel, Kernels, Scene, Variant};
+use trisect_catalog::{Arrangement, Entry, Finder, Kernel, Kernels, Scene, Variant};
 use trisect_core::{Claims, Float, Ops, Output, Precision, Ray, Triangle};
 
 use crate::answers::{Answers, Pair, QUANTITIES, Quantity};
@@ -206,9 +206,7 @@ impl Run<'_> {
         }
     }
 
-    /// The answers of each finder that computes values of its own here: plain arithmetic gives the
-    /// same bits on every width, so that the widest stands for all, and the scalar for itself where
-    /// all processors must agree.
+    /// What a method answers, see [`answers_of_widest`].
     fn answer<E: Precision>(
         &mut self,
         workload: &str,
@@ -219,20 +217,12 @@ impl Run<'_> {
     ) -> Option<Answered> {
         let scene = self.scene(workload, entry, kernels, rays, triangles);
         self.progress.step();
-        let scene = scene?;
-        let here =
-            || kernels.finders.iter().filter(|f| f.variant.lane.instruction_set.is_available());
-        let widest = here().map(|finder| finder.variant.lane.width).max()?;
-        let variants = here()
-            .filter(|finder| finder.variant.lane.width == widest)
-            .map(|finder| (finder.variant, Answers::of(finder, &scene)))
-            .collect();
         Some(Answered {
             method: entry.info.name,
             precision: E::NAME,
             significant_bits: E::SIGNIFICANT_BITS,
             weighs: entry.info.gives(Output::Barycentrics),
-            variants,
+            variants: answers_of_widest(&kernels.finders, &scene?),
         })
     }
 
@@ -331,7 +321,7 @@ impl Run<'_> {
         rays: &[Ray<E>],
         triangles: &[Triangle<E>],
     ) -> Option<Group> {
-        let timed: Vec<&Kernel> = kernels
+        let timed: Vec<&'static Kernel> = kernels
             .timed
             .iter()
             .filter(|kernel| kernel.variant.lane.instruction_set.is_available())
@@ -362,23 +352,9 @@ impl Run<'_> {
                 samples_ns,
             }));
         }
-        let timed: Vec<&Kernel> =
-            timed.into_iter().filter(|kernel| kernel.arrangement.serves(scene.common())).collect();
-        let answers = kernels
-            .finders
-            .iter()
-            .filter(|finder| timed.iter().any(|kernel| kernel.variant == finder.variant))
-            .map(|finder| (finder.variant, Answers::of(finder, &scene)))
-            .collect();
+        let group = Group::new(entry, kernels, scene, timed);
         self.progress.step();
-        Some(Group {
-            method: entry.info.name,
-            bytes_per_triangle: entry.cost.stored_numbers * size_of::<E>(),
-            unit_roundoff: E::UNIT_ROUNDOFF,
-            scene,
-            timed,
-            answers,
-        })
+        Some(group)
     }
 
     fn time(
@@ -387,41 +363,22 @@ impl Run<'_> {
         timed_rays: usize,
         groups: &[Group],
     ) -> Result<(), WrongAnswer> {
-        let mut contenders = Vec::new();
-        let mut of_group = Vec::new();
-        for group in groups {
-            for &kernel in &group.timed {
-                contenders.push(Contender {
-                    kernel,
-                    scene: &group.scene,
-                    expected: group.expected(kernel, subject),
-                    samples_ns: Vec::new(),
-                    tally: None,
-                });
-                of_group.push(group);
-            }
-        }
+        let mut contenders = contenders(groups, subject);
         let steps = contenders.len() * (self.settings.rounds + 1);
         self.progress.phase(&format!("{}: timing", subject.workload.name), steps as u64);
         let progress = &mut *self.progress;
         let rounds = self.settings.rounds;
-        timing::rounds(&mut contenders, rounds, &mut self.random, |contender, timed| {
+        timing::rounds(&mut contenders, rounds, &mut self.random, |(_, contender), timed| {
             contender.sample(timed)?;
             progress.step();
             Ok(())
         })?;
         self.ghz.push(machine::core_ghz());
-        for (contender, group) in contenders.into_iter().zip(of_group) {
+        for (group, contender) in contenders {
             let kernel = contender.kernel;
             let Some(tally) = contender.tally else { continue };
             self.lines.push(Record::Throughput(Throughput {
-                variant: record_variant(
-                    group.method,
-                    kernel.variant,
-                    kernel.arrangement.name(),
-                    kernel.early_out,
-                    kernel.needs.name(),
-                ),
+                variant: group.record_variant(kernel),
                 workload: subject.workload.name.clone(),
                 tests: (timed_rays * subject.triangles32.len()) as u64,
                 samples_ns: contender.samples_ns,
@@ -434,17 +391,79 @@ impl Run<'_> {
     }
 }
 
+/// The answers of each of some finders that computes values of its own here: plain arithmetic gives the
+/// same bits on every width, and so does fused, so that the widest stands for all.
+pub(crate) fn answers_of_widest(finders: &[Finder], scene: &Scene) -> Vec<(Variant, Answers)> {
+    let here = || finders.iter().filter(|f| f.variant.lane.instruction_set.is_available());
+    let widest = here().map(|finder| finder.variant.lane.width).max();
+    here()
+        .filter(|finder| Some(finder.variant.lane.width) == widest)
+        .map(|finder| (finder.variant, Answers::of(finder, scene)))
+        .collect()
+}
+
 /// A method in one precision, prepared for timing.
-struct Group {
-    method: &'static str,
-    bytes_per_triangle: usize,
+pub(crate) struct Group {
+    pub method: &'static str,
+    pub bytes_per_triangle: usize,
     unit_roundoff: f64,
     scene: Scene,
     timed: Vec<&'static Kernel>,
     answers: Vec<(Variant, Answers)>,
 }
 
+/// Each kernel of some groups, ready to be timed, with its group.
+pub(crate) fn contenders<'a>(
+    groups: &'a [Group],
+    subject: &Subject,
+) -> Vec<(&'a Group, Contender<'a>)> {
+    let of_group = |group: &'a Group| {
+        group.timed.iter().map(move |&kernel| {
+            let contender = Contender {
+                kernel,
+                scene: &group.scene,
+                expected: group.expected(kernel, subject),
+                samples_ns: Vec::new(),
+                tally: None,
+            };
+            (group, contender)
+        })
+    };
+    groups.iter().flat_map(of_group).collect()
+}
+
 impl Group {
+    /// The answers of kernels on a scene, those whose arrangement serves its rays.
+    pub(crate) fn new<E: Precision>(
+        entry: &Entry,
+        kernels: &Kernels<E>,
+        scene: Scene,
+        mut timed: Vec<&'static Kernel>,
+    ) -> Self {
+        timed.retain(|kernel| kernel.arrangement.serves(scene.common()));
+        let mut answers: Vec<(Variant, Answers)> = Vec::new();
+        for kernel in &timed {
+            if answers.iter().all(|(variant, _)| *variant != kernel.variant) {
+                let finder = kernels.finder_of(kernel);
+                answers.push((kernel.variant, Answers::of(finder, &scene)));
+            }
+        }
+        Self {
+            method: entry.info.name,
+            bytes_per_triangle: entry.cost.stored_numbers * size_of::<E>(),
+            unit_roundoff: E::UNIT_ROUNDOFF,
+            scene,
+            timed,
+            answers,
+        }
+    }
+
+    /// A kernel of it, as records name it.
+    pub(crate) fn record_variant(&self, kernel: &Kernel) -> crate::record::Variant {
+        let (arrangement, needs) = (kernel.arrangement.name(), kernel.needs.name());
+        record_variant(self.method, kernel.variant, arrangement, kernel.early_out, needs)
+    }
+
     fn expected(&self, kernel: &Kernel, subject: &Subject) -> timing::Expected {
         let (_, answers) = self
             .answers

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod image;
+mod needs;
 mod paths;
 mod random;
 mod render;
@@ -14,6 +15,7 @@ mod wave;
 mod whitted;
 
 pub use image::{Image, ImageError, ImageFormat};
+pub use needs::{Facts, Part, Parts};
 pub use render::{Interrupted, Renderer, Watch};
 pub use sampling::Sampling;
 pub use settings::{Mode, Occlusion, Settings};

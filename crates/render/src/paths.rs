@@ -7,6 +7,7 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 use trisect_core::Ray;
 
+use crate::needs::Paths;
 use crate::random::{Random, cosine_about};
 use crate::settings::Settings;
 use crate::stage::Stage;
@@ -32,7 +33,7 @@ impl Wave {
         carrying: Carrying,
         target: Target,
     ) {
-        let surface = stage.surface(ray, target);
+        let surface = stage.surface::<Paths>(ray, target);
         let material = surface.material;
         let direction = Vec3::from(ray.d);
         let Carrying { slot, weight } = carrying;

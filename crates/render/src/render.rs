@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use trisect_scene::Color;
 
 use crate::image::Image;
+use crate::needs::{self, Facts, Job, Needs, Parts, Paths};
 use crate::random::{Random, on_disc};
 use crate::sampling::CONTRAST;
 use crate::settings::{Mode, Settings};
@@ -44,6 +45,8 @@ struct Tile {
 /// kept from picture to picture.
 pub struct Renderer<'s> {
     stage: &'s Stage,
+    facts: Facts,
+    kept: Parts,
     waves: Mutex<Vec<Wave>>,
     counts: Mutex<Counts>,
     colors: Vec<Color>,
@@ -52,7 +55,25 @@ pub struct Renderer<'s> {
 impl<'s> Renderer<'s> {
     /// For a scene.
     pub fn new(stage: &'s Stage) -> Self {
-        Self { stage, waves: Mutex::default(), counts: Mutex::default(), colors: Vec::new() }
+        Self {
+            stage,
+            facts: Facts::of(stage),
+            kept: Parts::NONE,
+            waves: Mutex::default(),
+            counts: Mutex::default(),
+            colors: Vec::new(),
+        }
+    }
+
+    /// Keeps parts that a picture can do without, to see what they cost; it is the same to the bit.
+    pub fn keeping(mut self, parts: Parts) -> Self {
+        self.kept = parts;
+        self
+    }
+
+    /// What is in the scene.
+    pub fn facts(&self) -> Facts {
+        self.facts
     }
 
     /// How many tiles a picture is done in; where paths are traced, each sample goes over all of them.
@@ -84,7 +105,8 @@ impl<'s> Renderer<'s> {
             return Ok(image);
         }
         let stage = self.stage;
-        self.pass(settings, watch, |wave, tile, out| stage.draw(settings, wave, tile, out, watch))?;
+        let parts = self.facts.needs(settings) | self.kept;
+        needs::with(parts, Drawing { renderer: self, stage, settings, watch })?;
         self.place(settings, |pixel, color| *pixel = color, &mut image);
         Ok(image)
     }
@@ -185,9 +207,27 @@ fn tiles(settings: &Settings) -> Vec<Tile> {
         .collect()
 }
 
+/// All tiles, drawn after Whitted.
+struct Drawing<'a, 's> {
+    renderer: &'a mut Renderer<'s>,
+    stage: &'s Stage,
+    settings: &'a Settings,
+    watch: &'a Watch<'a>,
+}
+
+impl Job for Drawing<'_, '_> {
+    type Output = Result<(), Interrupted>;
+    fn run<N: Needs>(self) -> Self::Output {
+        let Self { renderer, stage, settings, watch } = self;
+        renderer.pass(settings, watch, |wave, tile, out| {
+            stage.draw::<N>(settings, wave, tile, out, watch);
+        })
+    }
+}
+
 impl Stage {
     /// Draws a tile after Whitted.
-    fn draw(
+    fn draw<N: Needs>(
         &self,
         settings: &Settings,
         wave: &mut Wave,
@@ -206,7 +246,7 @@ impl Stage {
             for &pixel in pixels {
                 eye.look(wave, tile.pixel(pixel), 0..sampling.count());
             }
-            let radiance = wave.follow(self, settings, watch.stop);
+            let radiance = wave.follow::<N>(self, settings, watch.stop);
             for (&pixel, samples) in pixels.iter().zip(radiance.chunks_exact(first)) {
                 out[pixel as usize] = mean(samples);
                 if more > 0 && differ(samples) {
@@ -220,7 +260,7 @@ impl Stage {
                 let samples = sampling.count()..sampling.count() + sampling.more();
                 eye.look(wave, tile.pixel(pixel), samples);
             }
-            let radiance = wave.follow(self, settings, watch.stop);
+            let radiance = wave.follow::<N>(self, settings, watch.stop);
             for (&pixel, samples) in pixels.iter().zip(radiance.chunks_exact(more)) {
                 let few = out[pixel as usize];
                 let share = more as f32 / (first + more) as f32;
@@ -246,7 +286,7 @@ impl Stage {
             for &pixel in pixels {
                 eye.look(wave, tile.pixel(pixel), sample..sample + 1);
             }
-            let radiance = wave.follow(self, settings, watch.stop);
+            let radiance = wave.follow::<Paths>(self, settings, watch.stop);
             for (&pixel, color) in pixels.iter().zip(radiance) {
                 out[pixel as usize] = *color;
             }

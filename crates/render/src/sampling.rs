@@ -75,6 +75,7 @@ impl Sampling {
     }
 
     /// The point of a sample, from 0 to 1 in the pixel.
+    #[inline]
     pub(crate) fn point(self, random: Random) -> Vec2 {
         let sample = random.sample;
         let cell =
@@ -84,8 +85,9 @@ impl Sampling {
             (cell(side, sample) + Vec2::new(u, v)) / side as f32
         };
         match self {
+            // One sample, as is mostly asked for first, takes no divisions.
+            Self::Grid(1) | Self::Circle(1) => Vec2::splat(0.5),
             Self::Grid(side) => (cell(side, sample) + Vec2::splat(0.5)) / side as f32,
-            Self::Circle(1) => Vec2::splat(0.5),
             Self::Circle(count) => {
                 // Turned by an eighth, so that no two points share a row or a column.
                 let (sin, cos) = (TAU * ((sample as f32 + 0.125) / count as f32)).sin_cos();

@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 use trisect_core::Ray;
 use trisect_scene::{Color, Material, Plane, Sphere};
 
+use crate::needs::Needs;
 use crate::stage::Stage;
 
 /// What a ray meets first.
@@ -41,8 +42,8 @@ pub(crate) struct Surface<'a> {
 
 impl Stage {
     /// What is where a ray's interval ends, at its target.
-    #[inline]
-    pub(crate) fn surface(&self, ray: &Ray<f32>, target: Target) -> Surface<'_> {
+    #[inline(always)]
+    pub(crate) fn surface<N: Needs>(&self, ray: &Ray<f32>, target: Target) -> Surface<'_> {
         let direction = Vec3::from(ray.d);
         let mut position = Vec3::from(ray.o) + direction * ray.tmax;
         let number = target.number as usize;
@@ -50,14 +51,14 @@ impl Stage {
         let mut inside = None;
         match target.what {
             // Onto the surface in each case, as far as rounding allows: the way from the camera may be long.
-            Target::SPHERE => {
+            Target::SPHERE if N::SHAPES => {
                 let sphere = &self.scene.spheres[number];
                 material = sphere.material;
                 front = (position - sphere.center).normalize();
                 position = sphere.center + front * sphere.radius;
                 normal = front;
             }
-            Target::PLANE => {
+            Target::PLANE if N::SHAPES => {
                 let plane = &self.scene.planes[number];
                 material = plane.material;
                 front = plane.normal;
@@ -68,15 +69,16 @@ impl Stage {
                 let placed = &self.placed[what as usize];
                 let group = &self.groups[placed.group];
                 let facet = &group.facets[number];
+                let carried = if N::SHAPES { placed.carried.as_ref() } else { None };
                 material = facet.material as usize;
-                let mut own = match &placed.carried {
+                let mut own = match carried {
                     Some(carried) => carried.to_object.transform_point3(position),
                     None => position,
                 };
                 own -= facet.normal * (own.dot(facet.normal) - facet.distance);
                 let mut of_facet = facet.normal;
                 normal = of_facet;
-                if !group.weights.is_empty() {
+                if N::VARYING && !group.weights.is_empty() {
                     let weights = group.weights[number].at(own);
                     inside = Some((group, weights));
                     if !group.normals.is_empty() {
@@ -84,7 +86,7 @@ impl Stage {
                     }
                 }
                 position = own;
-                if let Some(carried) = &placed.carried {
+                if let Some(carried) = carried {
                     position = carried.to_world.transform_point3(own);
                     of_facet = (carried.normals * glam::Vec3A::from(of_facet)).into();
                     of_facet = of_facet.normalize_or_zero();
@@ -96,7 +98,7 @@ impl Stage {
         }
         let described = &self.scene.materials[material];
         let mut diffuse = described.diffuse;
-        if let Some(texture) = described.texture {
+        if let Some(texture) = described.texture.filter(|_| N::VARYING) {
             let at = match (target.what, inside) {
                 (Target::SPHERE, _) => around(front),
                 (Target::PLANE, _) => {

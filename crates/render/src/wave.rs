@@ -7,6 +7,7 @@ use trisect_core::{Culling, Ray};
 use trisect_scene::{Color, luminance};
 use trisect_tracer::{Tracing, TriangleHit};
 
+use crate::needs::Needs;
 use crate::settings::{Mode, Settings};
 use crate::stage::{Carried, Stage};
 use crate::surface::{Target, crossings, meet_plane, meet_sphere};
@@ -84,6 +85,7 @@ impl Wave {
     }
 
     /// Adds a sample's ray, whose direction has unit length.
+    #[inline]
     pub(crate) fn push_primary(&mut self, pixel: u32, sample: u32, o: Vec3, d: Vec3) {
         let slot = u32::try_from(self.samples.len()).expect("a batch has few samples");
         self.samples.push([pixel, sample]);
@@ -93,7 +95,7 @@ impl Wave {
 
     /// Follows the rays, and those that come of them, to their ends; what each sample receives. Ends early
     /// when it is asked to stop.
-    pub(crate) fn follow(
+    pub(crate) fn follow<N: Needs>(
         &mut self,
         stage: &Stage,
         settings: &Settings,
@@ -102,11 +104,15 @@ impl Wave {
         self.radiance.clear();
         self.radiance.resize(self.samples.len(), Vec3::ZERO);
         self.counts.primary += self.rays.len() as u64;
+        let occlusion = match settings.mode {
+            Mode::Whitted { occlusion } => occlusion,
+            Mode::Paths => None,
+        };
         for depth in 0.. {
             if self.rays.is_empty() || stop.load(Ordering::Relaxed) {
                 break;
             }
-            self.find_targets(stage, settings.tracing);
+            self.find_targets::<N>(stage, settings.tracing);
             for number in 0..self.rays.len() {
                 let (ray, carrying) = (self.rays[number], self.carrying[number]);
                 let target = self.targets[number];
@@ -114,16 +120,17 @@ impl Wave {
                     self.add(carrying, stage.scene.sky(ray.d.into()));
                     continue;
                 }
-                match settings.mode {
-                    Mode::Whitted { occlusion } => {
-                        self.shade_whitted(
-                            stage, settings, occlusion, depth, &ray, carrying, target,
-                        );
-                    }
-                    Mode::Paths => self.shade_path(stage, settings, depth, &ray, carrying, target),
+                if N::PATHS {
+                    self.shade_path(stage, settings, depth, &ray, carrying, target);
+                } else {
+                    self.shade_whitted::<N>(
+                        stage, settings, occlusion, depth, &ray, carrying, target,
+                    );
                 }
             }
-            self.add_lights(stage, settings.tracing);
+            if N::SHADOWS {
+                self.add_lights(stage, settings.tracing);
+            }
             std::mem::swap(&mut self.rays, &mut self.next_rays);
             std::mem::swap(&mut self.carrying, &mut self.next_carrying);
             self.next_rays.clear();
@@ -162,10 +169,14 @@ impl Wave {
     }
 
     /// What each ray meets first; its interval ends there.
-    fn find_targets(&mut self, stage: &Stage, tracing: Tracing) {
+    fn find_targets<N: Needs>(&mut self, stage: &Stage, tracing: Tracing) {
         let Self { rays, targets, found, carried, which, .. } = self;
         targets.clear();
-        targets.extend(rays.iter_mut().map(|ray| nearest_simple(stage, ray)));
+        if N::SHAPES {
+            targets.extend(rays.iter_mut().map(|ray| nearest_simple(stage, ray)));
+        } else {
+            targets.resize(rays.len(), Target::NONE);
+        }
         for (what, placed) in (0_u32..).zip(&stage.placed) {
             let tree = &*stage.groups[placed.group].tree;
             let take = |ray: &mut Ray<f32>, target: &mut Target, found: &TriangleHit| {
@@ -174,7 +185,7 @@ impl Wave {
                     *target = Target { what, number: found.triangle };
                 }
             };
-            match &placed.carried {
+            match placed.carried.as_ref().filter(|_| N::SHAPES) {
                 None => {
                     found.resize(rays.len(), None);
                     tree.closest(tracing, Culling::None, rays, found);

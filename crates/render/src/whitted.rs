@@ -9,6 +9,7 @@ use glam::Vec3;
 use trisect_core::Ray;
 use trisect_scene::{Color, Light};
 
+use crate::needs::Needs;
 use crate::random::{Random, cosine_about};
 use crate::settings::{Occlusion, Settings};
 use crate::stage::Stage;
@@ -25,8 +26,8 @@ impl Wave {
         clippy::too_many_arguments,
         reason = "the innermost loop: what it needs, nothing packed"
     )]
-    #[inline]
-    pub(crate) fn shade_whitted(
+    #[inline(always)]
+    pub(crate) fn shade_whitted<N: Needs>(
         &mut self,
         stage: &Stage,
         settings: &Settings,
@@ -36,12 +37,12 @@ impl Wave {
         carrying: Carrying,
         target: Target,
     ) {
-        let surface = stage.surface(ray, target);
+        let surface = stage.surface::<N>(ray, target);
         let direction = Vec3::from(ray.d);
         let Carrying { slot, weight } = carrying;
         let ambient = surface.diffuse * stage.scene.ambient;
         self.add(carrying, surface.material.emission);
-        match occlusion {
+        match occlusion.filter(|_| N::SHADOWS) {
             None => self.add(carrying, ambient),
             Some(occlusion) => {
                 let weight = weight * ambient / occlusion.rays as f32;
@@ -50,10 +51,10 @@ impl Wave {
                 }
             }
         }
-        if surface.is_lit {
+        if N::SHADOWS && surface.is_lit {
             self.light(stage, settings, &surface, direction, carrying);
         }
-        if depth == settings.depth {
+        if !N::ONWARD || depth == settings.depth {
             return;
         }
         let material = surface.material;

@@ -4,9 +4,11 @@
 #[allow(dead_code, reason = "each test asks for a part")]
 mod common;
 
+use std::sync::atomic::AtomicBool;
+
 use common::{render, shipped, stage};
 use trisect_moller_trumbore::MollerTrumbore;
-use trisect_render::{Image, Mode, Occlusion, Sampling, Settings};
+use trisect_render::{Image, Mode, Occlusion, Part, Parts, Renderer, Sampling, Settings, Watch};
 use trisect_tracer::Tracing;
 use trisect_wald::Wald;
 use trisect_watertight::Watertight;
@@ -45,6 +47,40 @@ fn pictures_are_the_same_for_any_threads_and_tiles() {
                 assert!(*first == image, "{name} {tracing:?} {threads} {tile}");
             }
         }
+    }
+}
+
+#[test]
+fn what_is_left_out_changes_no_bit() {
+    let small = Settings::new([50, 37]);
+    let mut pictures = pictures();
+    for name in ["mirror.toml", "glass.toml", "teapots.toml", "block.obj"] {
+        for (depth, lights) in [(0, 0), (0, 9), (16, 0)] {
+            pictures.push((name, Settings { depth, lights, ..small.clone() }));
+        }
+    }
+    let watch = Watch { stop: &AtomicBool::new(false), tile: &|| () };
+    let mut needed = Vec::new();
+    let smooth_and_flat = pictures.iter().flat_map(|picture| [(picture, true), (picture, false)]);
+    for ((name, settings), smooth) in smooth_and_flat {
+        let mut scene = shipped(name);
+        scene.instances.iter_mut().for_each(|instance| instance.smooth &= smooth);
+        let stage = stage::<MollerTrumbore>(scene);
+        let render = |parts: Parts| {
+            let mut renderer = Renderer::new(&stage).keeping(parts);
+            let image = renderer.render(settings, &watch).expect("nobody stopped it");
+            (bits(&image), renderer.counts())
+        };
+        let parts = Renderer::new(&stage).facts().needs(settings);
+        needed.push(parts);
+        let own = render(Parts::NONE);
+        for kept in Part::ALL.map(Parts::from).into_iter().chain([Parts::ALL]) {
+            assert!(render(kept) == own, "{name} {settings:?}, with {kept:?}");
+        }
+    }
+    for part in Part::ALL {
+        let with = needed.iter().filter(|parts| parts.has(part)).count();
+        assert!(with > 0 && with < needed.len(), "{part:?} is needed by {with} pictures");
     }
 }
 

@@ -7,9 +7,11 @@ mod figures;
 mod format;
 mod havel;
 mod markdown;
+mod omissions;
 mod page;
 mod pictures;
 mod rank;
+mod recommendation;
 pub mod stats;
 mod stress;
 mod study;
@@ -24,6 +26,7 @@ pub use markdown::{SpliceError, splice};
 pub use page::{Page, PageError, write_page};
 pub use pictures::{PictureSummary, Technique, TimedFrame, picture_summary, write_pictures_page};
 pub use rank::{Filter, Ranked, Ranking, rank};
+pub use recommendation::recommendation_text;
 pub use stress::page::write_stress_page;
 pub use stress::{
     ExactnessRow, ExactnessSummary, StressRow, StressSummary, exactness_summary, stress_summary,

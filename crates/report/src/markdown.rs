@@ -7,6 +7,7 @@ use trisect_harness::record::{Records, Variant};
 
 use crate::format::{number, or_dash, scientific};
 use crate::havel;
+use crate::omissions;
 use crate::pictures;
 use crate::stress::exact;
 use crate::stress::findings;
@@ -33,8 +34,9 @@ pub enum SpliceError {
 type Write = fn(&View) -> String;
 
 /// What can be spliced: its name, and what writes it.
-const PARTS: [(&str, Write); 18] = [
+const PARTS: [(&str, Write); 19] = [
     ("methods", methods),
+    ("omissions", omissions::page),
     ("havel", havel::page),
     ("stress-findings", findings::page),
     ("stress-f32", |view| part(view, &stress::methods(view, "f32"), stress::METHODS)),

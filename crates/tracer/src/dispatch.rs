@@ -1,6 +1,6 @@
 //! Which lanes a batch of rays runs on: the best that the processor has, chosen once.
 
-use trisect_core::{Culling, Fused, Lanes, Method, Plain, Ray, Token, Vector};
+use trisect_core::{Culling, Fused, InstructionSet, Lanes, Method, Plain, Ray, Token, Vector};
 
 use crate::bvh::{Bvh, Statistics};
 use crate::hit::{Found, NO_HIT, TriangleHit};
@@ -55,6 +55,18 @@ fn on_fast_lanes<J: Job>(job: J) -> Result<J::Output, J> {
         return Ok(job.run::<Vector<Neon, fearless_simd::f32x4<Neon>, Fused>>(token));
     }
     Err(job)
+}
+
+/// The instruction set and the number of lanes that triangles are tested on here, unless plainly.
+pub fn fast_lanes() -> (InstructionSet, usize) {
+    struct Which;
+    impl Job for Which {
+        type Output = (InstructionSet, usize);
+        fn run<L: Lanes<Elem = f32>>(self, _token: L::Token) -> Self::Output {
+            (L::Token::INSTRUCTION_SET, L::N)
+        }
+    }
+    on_fast_lanes(Which).unwrap_or_else(on_plain_lanes)
 }
 
 /// Runs a job in plain arithmetic, which gives the same bits everywhere: on one instruction set that

@@ -20,7 +20,7 @@ mod walk;
 
 pub use build::{Builder, Leaves, RefitError, UnknownBuilder};
 pub use bvh::{Bvh, Statistics};
-pub use dispatch::{Tracing, Tree};
+pub use dispatch::{Tracing, Tree, fast_lanes};
 pub use hit::TriangleHit;
 pub use scalar::{EveryTriangle, ScalarBvh};
 pub use walk::Counted;

@@ -11,15 +11,15 @@ use trisect_tracer::{Builder, EveryTriangle, ScalarBvh, Tracing, Tree, TriangleH
 use trisect_workloads::{Aim, Mesh, Placement, Stream, Surface, diffuse_bounce, primary};
 
 /// A triangle's number, `t`, `beta` and `gamma`, as bits.
-type Answer = Option<(u32, [u32; 3])>;
+type Answer = (u32, [u32; 3]);
 
 fn answer(triangle: u32, [t, beta, gamma]: [f32; 3]) -> Answer {
     // −0 and 0 are one answer.
-    Some((triangle, [t, beta, gamma].map(|x| (x + 0.0).to_bits())))
+    (triangle, [t, beta, gamma].map(|x| (x + 0.0).to_bits()))
 }
 
 /// What the oracle says of each ray, within the interval of the contract.
-fn truth(triangles: &[Triangle<f32>], rays: &[Ray<f32>]) -> Vec<Answer> {
+fn truth(triangles: &[Triangle<f32>], rays: &[Ray<f32>]) -> Vec<Option<Answer>> {
     let mut oracle = Oracle::default();
     rays.iter()
         .map(|ray| {
@@ -28,7 +28,7 @@ fn truth(triangles: &[Triangle<f32>], rays: &[Ray<f32>]) -> Vec<Answer> {
             let (place, found) = oracle.closest(&ray, triangles)?;
             let hit = found.hit.expect("it is a hit");
             let number = u32::try_from(place).expect("triangles are few");
-            answer(number, [hit.t, hit.beta, hit.gamma])
+            Some(answer(number, [hit.t, hit.beta, hit.gamma]))
         })
         .collect()
 }
@@ -42,10 +42,11 @@ fn is_true(what: &str, triangles: &[Triangle<f32>], rays: &[Ray<f32>]) -> usize 
         let mut any = vec![false; rays.len()];
         tree.any(tracing, Culling::None, rays, &mut any);
         for (((found, any), truth), ray) in found.iter().zip(&any).zip(&truth).zip(rays) {
-            let found = found.and_then(|TriangleHit { triangle, hit }| {
+            let found = found.map(|TriangleHit { triangle, hit }| {
                 answer(triangle, [hit.t, hit.beta, hit.gamma])
             });
-            let numbers = |x: Answer| x.map(|(number, bits)| (number, bits.map(f32::from_bits)));
+            let numbers =
+                |x: Option<Answer>| x.map(|(number, bits)| (number, bits.map(f32::from_bits)));
             let (found, expected) = (numbers(found), numbers(*truth));
             assert_eq!(found, expected, "{what}, {name}, {tracing:?}: {ray:?}");
             assert_eq!(*any, truth.is_some(), "{what}, {name}, {tracing:?}, any: {ray:?}");
@@ -159,13 +160,13 @@ fn no_box_discards_a_hit_of_any_bits() {
         // Many numbers of the scene are of one kind, so that rays meet triangles.
         let usual = stream.bits();
         let number = |stream: &mut Stream| {
-            let kind = if stream.bits() % 4 == 0 { stream.bits() } else { usual };
+            let kind = if stream.bits().is_multiple_of(4) { stream.bits() } else { usual };
             hostile(stream, kind)
         };
         let vector =
             |stream: &mut Stream| Vec3::new(number(stream), number(stream), number(stream));
         // Those that are small for where they are have boxes that lie far from origins.
-        let is_small = stream.bits() % 2 == 0;
+        let is_small = stream.bits().is_multiple_of(2);
         let triangles: Vec<Triangle<f32>> = (0..40)
             .map(|_| {
                 let a = vector(&mut stream);
@@ -181,7 +182,7 @@ fn no_box_discards_a_hit_of_any_bits() {
         for triangle in &triangles {
             let Triangle { a, b, c } = *triangle;
             let inside = a.map(|x| x * 0.5) + b.map(|x| x * 0.25) + c.map(|x| x * 0.25);
-            let target = if stream.bits() % 2 == 0 { inside } else { a };
+            let target = if stream.bits().is_multiple_of(2) { inside } else { a };
             let o = vector(&mut stream);
             // Half of it, since the difference may overflow; and all sizes, so that `t` has any.
             let half = target.map(|x| x * 0.5) - o.map(|x| x * 0.5);

@@ -22,6 +22,9 @@ impl Method for AngleSum {
         input: Input::Points,
         outputs: Output::FLAG_T_AND_NORMAL,
         forms: Forms::Early,
+        // The angles are those at the point itself; as numerators they would be products of eighteen
+        // lengths, which f32 does not hold.
+        always_divides: true,
         ..MethodInfo::USUAL
     };
     type Prepared = Corners<()>;

@@ -48,6 +48,32 @@ fn meet<F: Frame, L: Lanes>(
     (det, t, t.mul_sub(ray.d.x, u), t.mul_sub(ray.d.y, v))
 }
 
+/// Cramer's rule, both determinants multiplied into one denominator.
+#[inline(always)]
+fn numerators<F: Frame, L: Lanes>(
+    ray: &Ray<L>,
+    (tri, anchor): &Of<Stored<F>, L>,
+) -> Homogeneous<L> {
+    let det = tri.n.dot(ray.d);
+    let Start { height, u, v } = F::start(anchor, tri.n, ray.o);
+    // The projected point as seen from A, times det.
+    let pu = height.mul_sub(ray.d.x, det * u);
+    let pv = height.mul_sub(ray.d.y, det * v);
+    Homogeneous {
+        det: det * tri.n.z,
+        t: height * tri.n.z,
+        alpha: Implied,
+        beta: tri.e2v.mul_sub(pu, tri.e2u * pv),
+        gamma: tri.e1u.mul_sub(pv, tri.e1v * pu),
+    }
+}
+
+/// Positive at the front, of `det = D·N · N|w`.
+#[inline(always)]
+fn facing<L: Lanes>(tri: &ProjectedEdges<L>, det: L) -> L {
+    (-det).xor_sign(tri.n.z)
+}
+
 const INFO: MethodInfo = MethodInfo {
     year: 1990,
     source: "D. Badouel: An Efficient Ray-Polygon Intersection. Graphics Gems, Academic Press, 1990",
@@ -88,21 +114,9 @@ impl<F: Frame> Method for BadouelCramer<F> {
         ray.with_axis_last(w)
     }
 
-    /// Both determinants multiplied into one denominator.
     #[inline(always)]
-    fn intersect<L: Lanes>(ray: &Ray<L>, (tri, anchor): &Of<Self::Prepared, L>) -> Homogeneous<L> {
-        let det = tri.n.dot(ray.d);
-        let Start { height, u, v } = F::start(anchor, tri.n, ray.o);
-        // The projected point as seen from A, times det.
-        let pu = height.mul_sub(ray.d.x, det * u);
-        let pv = height.mul_sub(ray.d.y, det * v);
-        Homogeneous {
-            det: det * tri.n.z,
-            t: height * tri.n.z,
-            alpha: Implied,
-            beta: tri.e2v.mul_sub(pu, tri.e2u * pv),
-            gamma: tri.e1u.mul_sub(pv, tri.e1v * pu),
-        }
+    fn intersect<L: Lanes>(ray: &Ray<L>, stored: &Of<Self::Prepared, L>) -> Homogeneous<L> {
+        numerators::<F, L>(ray, stored)
     }
 
     /// As published: a division for `t`, another for the 2×2 system.
@@ -125,10 +139,9 @@ impl<F: Frame> Method for BadouelCramer<F> {
         }
     }
 
-    /// Here `det = D·N · N|w`.
     #[inline(always)]
     fn facing<L: Lanes>(_ray: &Ray<L>, (tri, _): &Of<Self::Prepared, L>, det: L) -> L {
-        (-det).xor_sign(tri.n.z)
+        facing(tri, det)
     }
 
     #[inline(always)]
@@ -170,6 +183,12 @@ impl Method for Badouel1990 {
         ray.with_axis_last(w)
     }
 
+    /// For decisions alone: elimination without its divisions is Cramer's rule.
+    #[inline(always)]
+    fn intersect<L: Lanes>(ray: &Ray<L>, stored: &Of<Self::Prepared, L>) -> Homogeneous<L> {
+        numerators::<World, L>(ray, stored)
+    }
+
     /// Lanes take both branches and choose.
     #[inline(always)]
     fn intersect_early<L: Lanes>(
@@ -184,13 +203,12 @@ impl Method for Badouel1990 {
         let gamma = left * reciprocal(L::select(upright, e2u, n.z));
         let left = L::select(upright, pv, pu) - gamma * L::select(upright, e2v, e2u);
         let beta = left * reciprocal(L::select(upright, e1v, e1u));
-        Quotients { det, t, alpha: Implied, beta, gamma }
+        Quotients { det: det.xor_sign(n.z), t, alpha: Implied, beta, gamma }
     }
 
-    /// Here `det = D·N`, which is negative at the front.
     #[inline(always)]
-    fn facing<L: Lanes>(_ray: &Ray<L>, _triangle: &Of<Self::Prepared, L>, det: L) -> L {
-        -det
+    fn facing<L: Lanes>(_ray: &Ray<L>, (tri, _): &Of<Self::Prepared, L>, det: L) -> L {
+        facing(tri, det)
     }
 
     #[inline(always)]

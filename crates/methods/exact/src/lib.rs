@@ -55,6 +55,7 @@ impl<W: Width> Method for Exact<W> {
         input: Input::Prepared,
         outputs: Output::ALL,
         forms: Forms::Deferred,
+        always_divides: false,
         claims: Claims { watertight: true, culls: true, unit_direction: false, exact: true },
         error_factor: 1.0,
     };

@@ -10,6 +10,7 @@ use trisect_workloads::{Pair, Stress};
 
 /// `O`, `D`, `A`, `B` and `C` of pairs that miss, as bits, which the ignored test of `src/filter.rs` found by
 /// climbing. The least of the three volumes is negative, and comes out as such a share of the bound, or more.
+#[allow(clippy::unreadable_literal, reason = "bits of floats, as they were printed")]
 const FALSE_HITS: [(f64, [u32; 15]); 6] = [
     (
         0.137,

@@ -148,7 +148,7 @@ impl<const ORDER: u8> PublishedOrder<ORDER> {
         found(mask, Hit { t, beta, gamma });
     }
 
-    /// Orders 2 to 4: tests of numerators, each followed by a way out.
+    /// Orders 2 to 4, and whoever asks for no values: tests of numerators, each followed by a way out.
     #[inline(always)]
     fn test_numerators<L: Lanes, D: Division>(
         ray: &Ray<L>,
@@ -223,7 +223,7 @@ impl<const ORDER: u8> Method for PublishedOrder<ORDER> {
         culling: Culling,
         found: impl FnOnce(L::Mask, Hit<L>),
     ) {
-        if ORDER == 1 {
+        if ORDER == 1 && D::VALUES {
             Self::test_quotients::<L, D>(ray, corners, interval, culling, found);
         } else {
             Self::test_numerators::<L, D>(ray, corners, interval, culling, found);

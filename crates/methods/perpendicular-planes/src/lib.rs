@@ -4,8 +4,8 @@
 use core::marker::PhantomData;
 
 use trisect_core::{
-    Forms, Frame, Implied, Lanes, Method, MethodInfo, Of, Output, PlaneFirst, Quotients, Ray,
-    Scalar, Slopes, ThreePlanes, Triangle, Vec3, Vertex, World,
+    Forms, Frame, Homogeneous, Implied, Lanes, Method, MethodInfo, Of, Output, PlaneFirst,
+    Quotients, Ray, Scalar, Slopes, ThreePlanes, Triangle, Vec3, Vertex, World,
 };
 
 /// Perpendicular planes, Havel 2008, with constants in frame `F`.
@@ -38,6 +38,12 @@ impl<F: Frame> Method for PerpendicularPlanes<F> {
     #[inline(always)]
     fn prepare_ray<L: Lanes>(ray: &Ray<L>, _group: usize) -> Ray<L> {
         *ray
+    }
+
+    /// As Havel and Herout have it.
+    #[inline(always)]
+    fn intersect<L: Lanes>(ray: &Ray<L>, triangle: &Of<Self::Prepared, L>) -> Homogeneous<L> {
+        ThreePlanes::<F>::deferred(ray, triangle)
     }
 
     #[inline(always)]

@@ -1,0 +1,233 @@
+//! The lines of Rust that use a kernel.
+
+use std::fmt::Write as _;
+
+use trisect_harness::record::Variant;
+
+use crate::records::COLUMNS;
+
+/// A kernel as a program names it.
+struct Names {
+    lanes: String,
+    division: String,
+    kernel: &'static str,
+    /// What the rays of packets share, as one more argument.
+    shared: &'static str,
+    /// The instruction set, and the module it is in; none for scalars.
+    token: Option<(&'static str, &'static str)>,
+    /// Of `trisect_core`, all that is used.
+    imports: Vec<String>,
+}
+
+impl Names {
+    fn of(variant: &Variant) -> Self {
+        let Variant { precision, width, arrangement, early_out, .. } = variant;
+        let token = match variant.instruction_set.as_str() {
+            "scalar" => None,
+            "sse2" => Some(("x86", "Sse2")),
+            "sse4.2" => Some(("x86", "Sse4_2")),
+            "avx2" => Some(("x86", "Avx2")),
+            "avx512" => Some(("x86", "Avx512")),
+            _ => Some(("aarch64", "Neon")),
+        };
+        let arithmetic = if variant.arithmetic == "fused" { "Fused" } else { "Plain" };
+        let lanes = token.map_or_else(
+            || precision.clone(),
+            |(_, token)| format!("Vector<{token}, {precision}x{width}<{token}>, {arithmetic}>"),
+        );
+        let form = if variant.division == "early" { "Early" } else { "Deferred" };
+        let reciprocal = if variant.reciprocal == "newton" { "Newton" } else { "TrueDivision" };
+        let mut division = format!("{form}<{reciprocal}, {early_out}>");
+        if variant.needs == "occlusion" {
+            division = format!("DecisionOnly<{division}>");
+        }
+        let (kernel, shared) = match arrangement.as_str() {
+            "one-ray" => ("one_ray", ""),
+            "one-triangle" => ("one_triangle", ""),
+            "common-origin" => ("shared_packets", ", CommonOrigin"),
+            _ => ("shared_packets", ", CommonDirection"),
+        };
+        let rays = if kernel == "one_ray" { "Ray" } else { "Packets" };
+        let types = division.split(|c: char| !c.is_alphanumeric());
+        let types = types.filter(|word| word.starts_with(|c: char| c.is_ascii_uppercase()));
+        let mut imports: Vec<&str> = types.collect();
+        imports.extend(["Culling", kernel, "Hit", "Lanes", "PreparedTriangles", rays, "Tested"]);
+        imports.extend(["Token", "Triangle", "UnsuitableMesh"]);
+        imports.extend(token.iter().flat_map(|_| ["Vector", arithmetic]));
+        imports.extend(shared.strip_prefix(", "));
+        imports.sort_by_key(|name| name.to_lowercase());
+        let imports = imports.into_iter().map(ToOwned::to_owned).collect();
+        Self { lanes, division, kernel, shared, token, imports }
+    }
+}
+
+/// The lines that import names of a crate.
+fn import(krate: &str, names: &[String]) -> String {
+    if let [name] = names {
+        return format!("use {krate}::{name};\n");
+    }
+    let mut out = String::new();
+    let mut line = format!("use {krate}::{{");
+    for name in names {
+        if line.len() + name.len() > COLUMNS - 3 {
+            let _ = writeln!(out, "{}", line.trim_end());
+            "    ".clone_into(&mut line);
+        }
+        let _ = write!(line, "{name}, ");
+    }
+    let _ = writeln!(out, "{}}};", line.trim_end_matches(", "));
+    out
+}
+
+/// How triangles are prepared for a kernel, and what calls it.
+pub(crate) fn of(variant: &Variant) -> String {
+    let method = trisect_catalog::find(&variant.method).expect("what was measured is there");
+    let Variant { precision, width, .. } = variant;
+    let Names { lanes, division, kernel, shared, token, mut imports } = Names::of(variant);
+    // The method's type without its paths, whose names are imported.
+    let mut short = method.type_name.clone();
+    let (mut krate, mut of_method) = ("", Vec::new());
+    for path in method.type_name.split(|c: char| !(c.is_alphanumeric() || "_:".contains(c))) {
+        let Some((root, name)) = path.split_once("::") else { continue };
+        short = short.replace(path, name);
+        if root == "trisect_core" {
+            imports.push(name.to_owned());
+        } else {
+            krate = root;
+            of_method.push(name.to_owned());
+        }
+    }
+    of_method.sort_unstable();
+    imports.sort_by_key(|name| name.to_lowercase());
+    let rays = if kernel == "one_ray" { "ray" } else { "packets" };
+    let bound = if kernel == "one_ray" { "Ray" } else { "Packets" };
+
+    let mut out = format!("// Crates: trisect-core, {}", krate.replace('_', "-"));
+    if let Some((module, token)) = token {
+        out += ", fearless_simd.\n";
+        let _ = writeln!(out, "use fearless_simd::{{{precision}x{width}, {module}::{token}}};");
+    } else {
+        out += ".\n";
+    }
+    out += &import("trisect_core", &imports);
+    out += &import(krate, &of_method);
+    out.push('\n');
+    let _ = write!(
+        out,
+        "type Method = {};
+type L = {lanes};
+type Division = {division};
+
+fn prepare(
+    triangles: &[Triangle<{precision}>],
+) -> Result<PreparedTriangles<Method, {precision}>, UnsuitableMesh> {{
+    PreparedTriangles::new(triangles)
+}}
+
+/// Calls `found` with the lanes that hit, and where{}
+fn trace(
+    {rays}: &{bound}<{precision}>,
+    triangles: &PreparedTriangles<Method, {precision}>,
+    mut found: impl FnMut(Tested<'_, Method, L>, <L as Lanes>::Mask, Hit<L>),
+) -> Option<()> {{
+    let token = <L as Lanes>::Token::detect()?;
+    token.run(
+        #[inline(always)]
+        || {{
+            {kernel}::<Method, L, Division{shared}>(
+                token,
+                {rays},
+                triangles,
+                Culling::None,
+                #[inline(always)]
+                |tested, mask, hit| found(tested, mask, hit),
+            );
+        }},
+    );
+    Some(())
+}}
+",
+        short,
+        token.map_or_else(
+            || ".".to_owned(),
+            |_| format!("; none without {}.", variant.instruction_set)
+        ),
+    );
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::fs;
+    use std::path::Path;
+    use std::process::Command;
+
+    use trisect_catalog::{Kernel, entries};
+
+    use super::*;
+
+    fn variant(method: &str, kernel: &Kernel) -> Variant {
+        let lane = kernel.variant.lane;
+        Variant {
+            method: method.to_owned(),
+            precision: lane.precision.to_owned(),
+            width: lane.width,
+            instruction_set: lane.instruction_set.name().to_owned(),
+            arithmetic: lane.arithmetic.to_owned(),
+            arrangement: kernel.arrangement.name().to_owned(),
+            division: kernel.variant.division.to_owned(),
+            reciprocal: kernel.variant.reciprocal.to_owned(),
+            early_out: kernel.early_out,
+            needs: kernel.needs.name().to_owned(),
+        }
+    }
+
+    /// Whatever is recommended: one kernel of every method, and every kernel of one.
+    #[test]
+    fn the_lines_compile() {
+        let mut programs = BTreeMap::new();
+        for (number, entry) in entries().iter().enumerate() {
+            let kernels = entry.f32.timed.iter().chain(&entry.f64.timed);
+            let count = if number == 0 { usize::MAX } else { 1 };
+            for kernel in kernels.take(count) {
+                programs
+                    .insert(format!("p{}", programs.len()), of(&variant(entry.info.name, kernel)));
+            }
+        }
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let manifest =
+            fs::read_to_string(root.join("crates/catalog/Cargo.toml")).expect("it is there");
+        let folder = tempfile::tempdir().expect("the system has a folder for temporaries");
+        let path = folder.path();
+        let mut own = format!(
+            "[package]\nname = \"lines\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[workspace]\n\
+             [dependencies]\nfearless_simd = \"1.2\"\n\
+             trisect-core = {{ path = \"{}\" }}\n",
+            root.join("crates/core").display()
+        );
+        for line in manifest.lines().filter(|line| line.contains("\"../methods/")) {
+            let methods = format!("\"{}/", root.join("crates/methods").display());
+            let _ = writeln!(own, "{}", line.replace("\"../methods/", &methods));
+        }
+        fs::create_dir(path.join("src")).expect("a folder");
+        fs::write(path.join("Cargo.toml"), own).expect("a file");
+        fs::copy(root.join("Cargo.lock"), path.join("Cargo.lock")).expect("a file");
+        let mut modules = "#![allow(dead_code)]\n".to_owned();
+        for name in programs.keys() {
+            let _ = writeln!(modules, "mod {name};");
+        }
+        fs::write(path.join("src/lib.rs"), modules).expect("a file");
+        for (name, program) in &programs {
+            fs::write(path.join(format!("src/{name}.rs")), program).expect("a file");
+        }
+        let check = Command::new(env!("CARGO"))
+            .args(["check", "--offline", "--quiet"])
+            .current_dir(path)
+            .env("CARGO_TARGET_DIR", root.join("target/recommended"))
+            .env("RUSTFLAGS", "--deny warnings")
+            .output()
+            .expect("cargo runs this test");
+        assert!(check.status.success(), "{}", String::from_utf8_lossy(&check.stderr));
+    }
+}

@@ -1,0 +1,51 @@
+//! `trisect recommend`: one kernel for a mesh and its rays, with the lines that use it.
+
+use std::time::Duration;
+
+use anyhow::Result;
+use serde::Serialize;
+use trisect_harness::{RecommendSettings, Recommendation};
+
+use crate::arguments::Recommend;
+use crate::progress::Bar;
+use crate::records::COLUMNS;
+use crate::{lines, output, tasks};
+
+/// What is printed as JSON.
+#[derive(Serialize)]
+struct Report {
+    mesh: String,
+    #[serde(flatten)]
+    found: Recommendation,
+    /// The lines that use the first of the ranking.
+    rust: String,
+}
+
+pub(crate) fn run(arguments: &Recommend) -> Result<()> {
+    let mesh = tasks::load_mesh(&arguments.mesh)?;
+    let rays = match &arguments.rays {
+        Some(path) => {
+            let rays = tasks::load_rays(path)?;
+            tasks::some_rays(&rays, path)?;
+            rays.rays_f32
+        }
+        None => tasks::usual_rays(arguments.seed, &mesh),
+    };
+    let settings = RecommendSettings {
+        seed: arguments.seed,
+        needs: arguments.needs.into(),
+        max_error: arguments.max_error,
+        watertight: arguments.watertight,
+        time: Duration::from_secs_f64(arguments.seconds),
+        exhaustive: arguments.exhaustive,
+    };
+    let mut bar = Bar::new();
+    let found = trisect_harness::recommend(&settings, &mesh.triangles, &rays, &mut bar)?;
+    drop(bar);
+    let rust = found.ranking.first().map_or_else(String::new, |best| lines::of(&best.variant));
+    let report = Report { mesh: mesh.name, found, rust };
+    output::print_as(arguments.json, &report, |out| {
+        let text = trisect_report::recommendation_text(&report.mesh, &report.found, COLUMNS);
+        write!(out, "{text}\n{}", report.rust)
+    })
+}

@@ -1,0 +1,209 @@
+//! What a picture needs of the renderer, found once; what it does not need is not in the code that draws it.
+//!
+//! Features that are asked about at the same place go together, so that there are few instances: one for
+//! each set of four [`Part`]s, and one that traces paths, with everything.
+
+use std::ops::{BitOr, BitOrAssign};
+
+use trisect_scene::Material;
+
+use crate::settings::{Mode, Settings};
+use crate::stage::Stage;
+
+/// A part of the renderer that a picture can do without.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Spheres, planes, and meshes that rays are carried to.
+    Shapes,
+    /// Textures and interpolated normals.
+    Varying,
+    /// Rays to lights, and for ambient occlusion.
+    Shadows,
+    /// Rays for mirrors and glass.
+    Onward,
+}
+
+impl Part {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Shapes, Self::Varying, Self::Shadows, Self::Onward];
+
+    /// The name used in lists and records.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Shapes => "shapes",
+            Self::Varying => "varying",
+            Self::Shadows => "shadows",
+            Self::Onward => "onward",
+        }
+    }
+}
+
+/// A set of [`Part`]s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Parts(u8);
+
+impl Parts {
+    /// None.
+    pub const NONE: Self = Self(0);
+    /// All of them.
+    pub const ALL: Self = Self(0b1111);
+
+    /// Whether a part is among them.
+    pub const fn has(self, part: Part) -> bool {
+        self.0 & (1 << part as u8) != 0
+    }
+}
+
+impl From<Part> for Parts {
+    fn from(part: Part) -> Self {
+        Self(1 << part as u8)
+    }
+}
+
+impl BitOr for Parts {
+    type Output = Self;
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl BitOrAssign for Parts {
+    fn bitor_assign(&mut self, other: Self) {
+        *self = *self | other;
+    }
+}
+
+impl FromIterator<Part> for Parts {
+    fn from_iter<T: IntoIterator<Item = Part>>(parts: T) -> Self {
+        parts.into_iter().fold(Self::NONE, |all, part| all | part.into())
+    }
+}
+
+/// What there is in a scene, as far as its pictures can do without.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Facts {
+    /// Spheres.
+    pub spheres: usize,
+    /// Planes.
+    pub planes: usize,
+    /// Meshes that rays are carried to, by their places.
+    pub carried: usize,
+    /// Triangles with normals at their corners, or beside such in a tree.
+    pub interpolated: usize,
+    /// Materials with a texture.
+    pub textured: usize,
+    /// Lights.
+    pub lights: usize,
+    /// Materials that are mirrors.
+    pub mirrors: usize,
+    /// Clear materials.
+    pub clear: usize,
+}
+
+impl Facts {
+    /// Those of a scene.
+    pub(crate) fn of(stage: &Stage) -> Self {
+        let scene = &stage.scene;
+        let mut used = vec![false; scene.materials.len()];
+        let facets = stage.groups.iter().flat_map(|group| &group.facets);
+        let simple = scene.spheres.iter().map(|sphere| sphere.material);
+        let simple = simple.chain(scene.planes.iter().map(|plane| plane.material));
+        for material in facets.map(|facet| facet.material as usize).chain(simple) {
+            used[material] = true;
+        }
+        let count = |is: fn(&Material) -> bool| {
+            scene
+                .materials
+                .iter()
+                .zip(&used)
+                .filter(|(material, used)| **used && is(material))
+                .count()
+        };
+        Self {
+            spheres: scene.spheres.len(),
+            planes: scene.planes.len(),
+            carried: stage.placed.iter().filter(|placed| placed.carried.is_some()).count(),
+            interpolated: stage.groups.iter().map(|group| group.normals.len()).sum(),
+            textured: count(|material| material.texture.is_some()),
+            lights: scene.lights.len(),
+            mirrors: count(|material| material.reflection != glam::Vec3::ZERO),
+            clear: count(Material::is_clear),
+        }
+    }
+
+    /// What a picture of the scene needs.
+    pub fn needs(&self, settings: &Settings) -> Parts {
+        if settings.mode == Mode::Paths {
+            return Parts::ALL;
+        }
+        let occludes = matches!(settings.mode, Mode::Whitted { occlusion: Some(_) });
+        [
+            (Part::Shapes, self.spheres + self.planes + self.carried > 0),
+            (Part::Varying, self.interpolated + self.textured > 0),
+            (Part::Shadows, occludes || self.lights.min(settings.lights) > 0),
+            (Part::Onward, settings.depth > 0 && self.mirrors + self.clear > 0),
+        ]
+        .into_iter()
+        .filter_map(|(part, is_needed)| is_needed.then_some(part))
+        .collect()
+    }
+}
+
+/// What an instance of the renderer has, as a type.
+pub(crate) trait Needs: 'static {
+    const SHAPES: bool;
+    const VARYING: bool;
+    const SHADOWS: bool;
+    const ONWARD: bool;
+    /// Whether it traces paths, instead of shading after Whitted.
+    const PATHS: bool = false;
+}
+
+/// After Whitted, with some parts.
+pub(crate) struct With<
+    const SHAPES: bool,
+    const VARYING: bool,
+    const SHADOWS: bool,
+    const ONWARD: bool,
+>;
+
+impl<const SHAPES: bool, const VARYING: bool, const SHADOWS: bool, const ONWARD: bool> Needs
+    for With<SHAPES, VARYING, SHADOWS, ONWARD>
+{
+    const SHAPES: bool = SHAPES;
+    const VARYING: bool = VARYING;
+    const SHADOWS: bool = SHADOWS;
+    const ONWARD: bool = ONWARD;
+}
+
+/// Paths, with everything.
+pub(crate) struct Paths;
+
+impl Needs for Paths {
+    const SHAPES: bool = true;
+    const VARYING: bool = true;
+    const SHADOWS: bool = true;
+    const ONWARD: bool = true;
+    const PATHS: bool = true;
+}
+
+/// Something to do with an instance of choice.
+pub(crate) trait Job {
+    type Output;
+    fn run<N: Needs>(self) -> Self::Output;
+}
+
+/// Runs a job on the instance that has these parts, and no others.
+pub(crate) fn with<J: Job>(parts: Parts, job: J) -> J::Output {
+    macro_rules! choose {
+        ([$($known:literal)*]) => { job.run::<With<$($known),*>>() };
+        ([$($known:literal)*] $part:ident $($rest:ident)*) => {
+            if parts.has(Part::$part) {
+                choose!([$($known)* true] $($rest)*)
+            } else {
+                choose!([$($known)* false] $($rest)*)
+            }
+        };
+    }
+    choose!([] Shapes Varying Shadows Onward)
+}

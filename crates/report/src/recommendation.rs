@@ -1,0 +1,93 @@
+//! A recommendation on a terminal.
+
+use std::fmt::Write as _;
+
+use trisect_harness::{Candidate, Exhaustive, Recommendation};
+
+use crate::format::{grouped, mtests, number, scientific};
+use crate::text::{Table, cut, hang, wrap};
+use crate::view::{finish_label, lanes_label, need_in_prose};
+
+/// Runners-up that are shown.
+const RUNNERS_UP: usize = 6;
+
+/// What is recommended for a mesh, and why, without the lines that use it.
+pub fn recommendation_text(mesh: &str, found: &Recommendation, width: usize) -> String {
+    let Recommendation { triangles, rays, hits, candidates, max_error, .. } = found;
+    let count = |n: usize| grouped(n as u64);
+    let mut out = wrap(
+        &format!(
+            "{}: asked for {}{}; {} kernels tried on {} of {} triangles and {} of {} rays, {} true \
+             hits.",
+            cut(mesh, width / 2),
+            need_in_prose(found.needs),
+            if found.watertight { ", watertight" } else { "" },
+            count(*candidates),
+            count(triangles[1]),
+            count(triangles[0]),
+            count(rays[1]),
+            count(rays[0]),
+            count(*hits),
+        ),
+        width,
+        "",
+    );
+    for refused in &found.refused {
+        out +=
+            &hang("  ", &format!("without {}: {}", refused.method, refused.reason), width, "    ");
+    }
+    let Some((chosen, others)) = found.ranking.split_first() else { return out };
+    let Candidate { variant, ns_per_test, bytes_per_triangle, error, wrong_percent, .. } = chosen;
+    let within = max_error.map_or_else(String::new, |allowed| {
+        format!(", within the {} allowed", scientific(allowed))
+    });
+    let _ = write!(
+        out,
+        "\n{} {}\n  {}\n  {} million tests/s, {bytes_per_triangle} bytes per triangle\n  largest \
+         error {}{within}; {} % of hits wrong\n",
+        variant.method,
+        lanes_label(variant),
+        finish_label(variant),
+        number(mtests(*ns_per_test)),
+        scientific(*error),
+        number(*wrong_percent),
+    );
+    if !others.is_empty() {
+        let mut table = Table::new(&["runner-up", "M/s", "B", "error", "wrong %"]);
+        for other in others.iter().take(RUNNERS_UP) {
+            let name = format!(
+                "{} {}, {}",
+                other.variant.method,
+                lanes_label(&other.variant),
+                finish_label(&other.variant)
+            );
+            table.rows.push(vec![
+                // So that the numbers stand beside it.
+                cut(&name, width.saturating_sub(35)),
+                number(mtests(other.ns_per_test)),
+                other.bytes_per_triangle.to_string(),
+                scientific(other.error),
+                number(other.wrong_percent),
+            ]);
+        }
+        let _ = write!(out, "\n{}", table.render(width));
+    }
+    if let Some(exhaustive) = &found.exhaustive {
+        let Exhaustive { samples_of_all, samples_of_fastest, best, behind, .. } = exhaustive;
+        out.push('\n');
+        out += &wrap(
+            &format!(
+                "All of them, {samples_of_all} samples each and {samples_of_fastest} of the fastest, in \
+                 turn: {} {}, {}, at {} million tests/s; the one above is {:.1} % behind.",
+                best.variant.method,
+                lanes_label(&best.variant),
+                finish_label(&best.variant),
+                number(mtests(best.ns_per_test)),
+                behind * 100.0,
+            ),
+            width,
+            "",
+        );
+    }
+    out
+}
