@@ -1,16 +1,17 @@
 //! Pictures, tile by tile.
 
+use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use trisect_scene::Color;
+use trisect_scene::{Color, Lens};
 
 use crate::image::Image;
 use crate::needs::{self, Facts, Job, Needs, Parts, Paths};
 use crate::random::{Random, on_disc};
-use crate::sampling::CONTRAST;
+use crate::sampling::{CONTRAST, Sampling};
 use crate::settings::{Mode, Settings};
 use crate::stage::Stage;
 use crate::wave::{Counts, Wave};
@@ -47,9 +48,11 @@ pub struct Renderer<'s> {
     stage: &'s Stage,
     facts: Facts,
     kept: Parts,
-    waves: Mutex<Vec<Wave>>,
+    /// What a thread works with, and a tile's colours.
+    rooms: Mutex<Vec<(Wave, Vec<Color>)>>,
     counts: Mutex<Counts>,
-    colors: Vec<Color>,
+    /// What the last paths brought.
+    brought: Image,
 }
 
 impl<'s> Renderer<'s> {
@@ -59,9 +62,9 @@ impl<'s> Renderer<'s> {
             stage,
             facts: Facts::of(stage),
             kept: Parts::NONE,
-            waves: Mutex::default(),
+            rooms: Mutex::default(),
             counts: Mutex::default(),
-            colors: Vec::new(),
+            brought: Image::black([0, 0]),
         }
     }
 
@@ -106,8 +109,7 @@ impl<'s> Renderer<'s> {
         }
         let stage = self.stage;
         let parts = self.facts.needs(settings) | self.kept;
-        needs::with(parts, Drawing { renderer: self, stage, settings, watch })?;
-        self.place(settings, |pixel, color| *pixel = color, &mut image);
+        needs::with(parts, Drawing { renderer: self, stage, settings, watch, image: &mut image })?;
         Ok(image)
     }
 
@@ -128,60 +130,55 @@ impl<'s> Renderer<'s> {
     ) -> Result<(), Interrupted> {
         assert!(image.size == settings.size, "the image has another size");
         let stage = self.stage;
-        self.pass(settings, watch, |wave, tile, out| {
+        let mut brought = std::mem::replace(&mut self.brought, Image::black([0, 0]));
+        if brought.size != settings.size {
+            brought = Image::black(settings.size);
+        }
+        let done = self.pass(settings, watch, &mut brought, |wave, tile, out| {
             stage.draw_paths(settings, sample, wave, tile, out, watch);
-        })?;
-        self.place(settings, |pixel, color| *pixel += color, image);
-        Ok(())
+        });
+        if done.is_ok() {
+            image
+                .pixels
+                .iter_mut()
+                .zip(&brought.pixels)
+                .for_each(|(pixel, color)| *pixel += *color);
+        }
+        self.brought = brought;
+        done
     }
 
-    /// Draws all tiles, one after another in `colors`.
+    /// Draws all tiles of an image.
     fn pass<D>(
-        &mut self,
+        &self,
         settings: &Settings,
         watch: &Watch<'_>,
+        image: &mut Image,
         draw: D,
     ) -> Result<(), Interrupted>
     where
         D: Fn(&mut Wave, Tile, &mut [Color]) + Sync,
     {
-        let Self { waves, counts, colors, .. } = self;
-        let [width, height] = settings.size;
-        colors.resize(width as usize * height as usize, Vec3::ZERO);
-        let mut rest = &mut colors[..];
-        let parts: Vec<(Tile, &mut [Color])> = tiles(settings)
-            .into_iter()
-            .map(|tile| {
-                let pixels = tile.width as usize * tile.height as usize;
-                let (part, others) = std::mem::take(&mut rest).split_at_mut(pixels);
-                rest = others;
-                (tile, part)
-            })
-            .collect();
-        parts.into_par_iter().with_max_len(1).for_each(|(tile, part)| {
+        let width = settings.size[0] as usize;
+        let pixels = Mutex::new(&mut image.pixels[..]);
+        tiles(settings).into_par_iter().with_max_len(1).for_each(|tile| {
             if watch.stop.load(Ordering::Relaxed) {
                 return;
             }
-            let mut wave = lock(waves).pop().unwrap_or_default();
-            draw(&mut wave, tile, part);
-            lock(counts).add(std::mem::take(&mut wave.counts));
-            lock(waves).push(wave);
+            let (mut wave, mut colors) = lock(&self.rooms).pop().unwrap_or_default();
+            colors.resize(tile.width as usize * tile.height as usize, Vec3::ZERO);
+            draw(&mut wave, tile, &mut colors);
+            let mut pixels = lock(&pixels);
+            for (y, row) in (tile.y as usize..).zip(colors.chunks_exact(tile.width as usize)) {
+                let start = y * width + tile.x as usize;
+                pixels[start..start + row.len()].copy_from_slice(row);
+            }
+            drop(pixels);
+            lock(&self.counts).add(std::mem::take(&mut wave.counts));
+            lock(&self.rooms).push((wave, colors));
             (watch.tile)();
         });
         if watch.stop.load(Ordering::Relaxed) { Err(Interrupted) } else { Ok(()) }
-    }
-
-    /// Puts the tiles' colours in their places.
-    fn place(&self, settings: &Settings, put: impl Fn(&mut Color, Color), image: &mut Image) {
-        let width = settings.size[0] as usize;
-        let mut colors = self.colors.iter();
-        for tile in tiles(settings) {
-            for y in tile.y..tile.y + tile.height {
-                let start = y as usize * width + tile.x as usize;
-                let row = &mut image.pixels[start..start + tile.width as usize];
-                row.iter_mut().zip(colors.by_ref()).for_each(|(pixel, color)| put(pixel, *color));
-            }
-        }
     }
 }
 
@@ -207,19 +204,20 @@ fn tiles(settings: &Settings) -> Vec<Tile> {
         .collect()
 }
 
-/// All tiles, drawn after Whitted.
+/// All tiles of an image, drawn after Whitted.
 struct Drawing<'a, 's> {
-    renderer: &'a mut Renderer<'s>,
+    renderer: &'a Renderer<'s>,
     stage: &'s Stage,
     settings: &'a Settings,
     watch: &'a Watch<'a>,
+    image: &'a mut Image,
 }
 
 impl Job for Drawing<'_, '_> {
     type Output = Result<(), Interrupted>;
     fn run<N: Needs>(self) -> Self::Output {
-        let Self { renderer, stage, settings, watch } = self;
-        renderer.pass(settings, watch, |wave, tile, out| {
+        let Self { renderer, stage, settings, watch, image } = self;
+        renderer.pass(settings, watch, image, |wave, tile, out| {
             stage.draw::<N>(settings, wave, tile, out, watch);
         })
     }
@@ -238,17 +236,28 @@ impl Stage {
         let sampling = settings.sampling;
         let (first, more) = (sampling.count() as usize, sampling.more() as usize);
         let eye = Eye::new(self, settings);
-        let all: Vec<u32> = (0..).take(out.len()).collect();
+        let pixels = u32::try_from(out.len()).expect("a tile has few pixels");
         // Those whose samples differ, with their sums.
         let mut rough: Vec<u32> = Vec::new();
-        for pixels in all.chunks((BATCH / first).max(1)) {
+        let batch = u32::try_from((BATCH / first).max(1)).expect("it is small");
+        for start in (0..pixels).step_by(batch as usize) {
+            let end = pixels.min(start + batch);
             wave.clear();
-            for &pixel in pixels {
-                eye.look(wave, tile.pixel(pixel), 0..sampling.count());
+            if eye.looks_straight() {
+                eye.look_straight(wave, tile, start..end);
+            } else {
+                for pixel in start..end {
+                    eye.look(wave, tile.pixel(pixel), 0..sampling.count());
+                }
             }
             let radiance = wave.follow::<N>(self, settings, watch.stop);
-            for (&pixel, samples) in pixels.iter().zip(radiance.chunks_exact(first)) {
-                out[pixel as usize] = mean(samples);
+            let out = &mut out[start as usize..end as usize];
+            if first == 1 {
+                out.copy_from_slice(radiance);
+                continue;
+            }
+            for ((pixel, out), samples) in (start..).zip(out).zip(radiance.chunks_exact(first)) {
+                *out = mean(samples);
                 if more > 0 && differ(samples) {
                     rough.push(pixel);
                 }
@@ -302,9 +311,6 @@ impl Tile {
 }
 
 fn mean(samples: &[Color]) -> Color {
-    if let [only] = samples {
-        return *only;
-    }
     samples.iter().sum::<Color>() * (1.0 / samples.len() as f32)
 }
 
@@ -341,8 +347,36 @@ impl<'a> Eye<'a> {
         }
     }
 
+    /// Whether one ray through the middle of each pixel is all that is asked for.
+    fn looks_straight(&self) -> bool {
+        matches!(self.settings.mode, Mode::Whitted { .. })
+            && matches!(self.settings.sampling, Sampling::Grid(1) | Sampling::Circle(1))
+            && !matches!(self.camera.lens, Lens::Thin { .. })
+    }
+
+    /// Sends these rays for some pixels of a tile, as [`look`](Eye::look) would, without its questions.
+    fn look_straight(&self, wave: &mut Wave, tile: Tile, pixels: Range<u32>) {
+        let width = self.settings.size[0];
+        let places = || {
+            let [mut x, mut y] = tile.pixel(pixels.start);
+            pixels.clone().map(move |_| {
+                let at = [x, y];
+                x += 1;
+                if x == tile.x + tile.width {
+                    (x, y) = (tile.x, y + 1);
+                }
+                at
+            })
+        };
+        let middle = Vec2::splat(0.5);
+        wave.extend_primary(
+            places().map(|[x, y]| y * width + x),
+            places().map(|at| self.ray(at, middle, || Vec2::ZERO)),
+        );
+    }
+
     /// Sends the rays of a pixel's samples.
-    fn look(&self, wave: &mut Wave, at: [u32; 2], samples: std::ops::Range<u32>) {
+    fn look(&self, wave: &mut Wave, at: [u32; 2], samples: Range<u32>) {
         let Settings { size, seed, mode, sampling, .. } = self.settings;
         let pixel = at[1] * size[0] + at[0];
         for sample in samples {

@@ -72,6 +72,7 @@ pub(crate) struct Wave {
 }
 
 /// A ray of no length limit.
+#[inline]
 pub(crate) fn ray(o: Vec3, d: Vec3, tmax: f32) -> Ray<f32> {
     Ray { o: o.into(), d: d.into(), tmin: 0.0, tmax }
 }
@@ -91,6 +92,19 @@ impl Wave {
         self.samples.push([pixel, sample]);
         self.rays.push(ray(o, d, f32::INFINITY));
         self.carrying.push(Carrying { slot, weight: Vec3::ONE });
+    }
+
+    /// Adds the rays of samples 0 of some pixels, row by row, whose directions have unit length.
+    #[inline]
+    pub(crate) fn extend_primary(
+        &mut self,
+        pixels: impl Iterator<Item = u32>,
+        rays: impl Iterator<Item = (Vec3, Vec3)>,
+    ) {
+        self.samples.extend(pixels.map(|pixel| [pixel, 0]));
+        self.rays.extend(rays.map(|(o, d)| ray(o, d, f32::INFINITY)));
+        let slots = (0..).take(self.rays.len());
+        self.carrying.extend(slots.map(|slot| Carrying { slot, weight: Vec3::ONE }));
     }
 
     /// Follows the rays, and those that come of them, to their ends; what each sample receives. Ends early
@@ -113,28 +127,29 @@ impl Wave {
                 break;
             }
             self.find_targets::<N>(stage, settings.tracing);
-            for number in 0..self.rays.len() {
-                let (ray, carrying) = (self.rays[number], self.carrying[number]);
-                let target = self.targets[number];
+            // Out of the wave, which what they meet adds to.
+            let mut rays = std::mem::take(&mut self.rays);
+            let mut carrying = std::mem::take(&mut self.carrying);
+            let targets = std::mem::take(&mut self.targets);
+            for ((ray, &carrying), &target) in rays.iter().zip(&carrying).zip(&targets) {
                 if target.what == Target::NOTHING {
                     self.add(carrying, stage.scene.sky(ray.d.into()));
-                    continue;
-                }
-                if N::PATHS {
-                    self.shade_path(stage, settings, depth, &ray, carrying, target);
+                } else if N::PATHS {
+                    self.shade_path(stage, settings, depth, ray, carrying, target);
                 } else {
                     self.shade_whitted::<N>(
-                        stage, settings, occlusion, depth, &ray, carrying, target,
+                        stage, settings, occlusion, depth, ray, carrying, target,
                     );
                 }
             }
+            self.targets = targets;
             if N::SHADOWS {
                 self.add_lights(stage, settings.tracing);
             }
-            std::mem::swap(&mut self.rays, &mut self.next_rays);
-            std::mem::swap(&mut self.carrying, &mut self.next_carrying);
-            self.next_rays.clear();
-            self.next_carrying.clear();
+            rays.clear();
+            carrying.clear();
+            self.rays = std::mem::replace(&mut self.next_rays, rays);
+            self.carrying = std::mem::replace(&mut self.next_carrying, carrying);
             self.counts.secondary += self.rays.len() as u64;
         }
         &self.radiance
