@@ -88,7 +88,9 @@ fn a_kernel_is_recommended() {
     assert!(ranking.iter().all(|kernel| kernel["needs"] == "barycentrics"));
     let method = ranking[0]["method"].as_str().expect("a name");
     let entry = trisect_catalog::find(method).expect("it is in the catalogue");
-    assert!(found["rust"].as_str().is_some_and(|lines| lines.contains(&entry.type_name)));
+    let path = entry.type_name.split('<').next().expect("it is not empty");
+    let lines = found["rust"].as_str().expect("lines of Rust");
+    assert!(lines.contains(&format!("use {path};")), "{lines}");
     assert!(found["hits"].as_u64() > Some(50), "{}", found["hits"]);
     assert!(found["exhaustive"]["behind"].as_f64() >= Some(0.0));
 
