@@ -1,7 +1,6 @@
 //! Whether three points lie on one line, exactly.
 
-use robust::{Coord, orient2d};
-
+use crate::decode::decode;
 use crate::geometry::{Triangle, Vec3};
 use crate::lanes::Float;
 
@@ -11,8 +10,7 @@ use crate::lanes::Float;
 /// that sum is no subnormal number: each edge rounds once, each product once more, and their
 /// difference; what a product loses to underflow is below `2u` of the smallest normal number. So
 /// nearly every triangle is known not to be degenerate after one cross product. For the others
-/// Shewchuk's exact predicate decides ("Adaptive Precision Floating-Point Arithmetic and Fast Robust
-/// Geometric Predicates", Discrete & Computational Geometry 18, 1997).
+/// integers decide.
 #[inline]
 pub(crate) fn are_collinear<E: Float>(triangle: &Triangle<E>) -> bool {
     let Triangle { a, b, c } = *triangle;
@@ -28,39 +26,64 @@ pub(crate) fn are_collinear<E: Float>(triangle: &Triangle<E>) -> bool {
     !clear && exactly(triangle.corners().map(|corner| corner.map(E::to_f64)))
 }
 
-/// The same by exact arithmetic, as long as nothing under- or overflows: so that a wide span of
-/// exponents has its room, the largest coordinate along each axis is brought near 2³⁰⁰ first, which
-/// keeps points on a line.
+/// The same by exact arithmetic, whatever the numbers.
 #[cold]
-fn exactly(corners: [Vec3<f64>; 3]) -> bool {
-    let [a, b, c] = corners;
-    let scale = |x: fn(Vec3<f64>) -> f64| {
-        let largest = x(a).abs().max(x(b).abs()).max(x(c).abs());
-        power_of_two(300 - exponent(largest))
+fn exactly([a, b, c]: [Vec3<f64>; 3]) -> bool {
+    let vanishes = |x: fn(Vec3<f64>) -> f64, y: fn(Vec3<f64>) -> f64| {
+        let (mut positive, mut negative) = (Sum::ZERO, Sum::ZERO);
+        for (p, q) in [(a, b), (b, c), (c, a)] {
+            for (x, y) in [(x(p), y(q)), (-y(p), x(q))] {
+                let ((m, i), (n, j)) = (decode(x), decode(y));
+                let product = u128::from(m.unsigned_abs()) * u128::from(n.unsigned_abs());
+                let sum = if (m < 0) == (n < 0) { &mut positive } else { &mut negative };
+                sum.add(product, i + j);
+            }
+        }
+        positive == negative
     };
-    let (sx, sy, sz) = (scale(|v| v.x), scale(|v| v.y), scale(|v| v.z));
-    let [a, b, c] = [a, b, c].map(|v| Vec3::new(v.x * sx, v.y * sy, v.z * sz));
-    let turn = |x: fn(Vec3<f64>) -> f64, y: fn(Vec3<f64>) -> f64| {
-        let place = |v: Vec3<f64>| Coord { x: x(v), y: y(v) };
-        orient2d(place(a), place(b), place(c))
-    };
-    turn(|v| v.y, |v| v.z) == 0.0 && turn(|v| v.z, |v| v.x) == 0.0 && turn(|v| v.x, |v| v.y) == 0.0
+    vanishes(|v| v.y, |v| v.z) && vanishes(|v| v.z, |v| v.x) && vanishes(|v| v.x, |v| v.y)
 }
 
-/// The exponent of a number as it is stored, the lowest one for zeros and subnormals.
-fn exponent(x: f64) -> i32 {
-    i32::try_from((x.to_bits() >> 52) & 0x7ff).expect("eleven bits") - 1023
-}
+/// The least exponent of a product of two numbers.
+const LEAST: i32 = -2 * 1074;
 
-/// A power of two, the largest one there is for exponents beyond.
-fn power_of_two(exponent: i32) -> f64 {
-    let biased = u64::try_from(exponent.min(1023) + 1023).expect("no exponent is below −1023");
-    f64::from_bits(biased << 52)
+/// A sum of products of two numbers, none of which is negative: exact, as products are below 2²⁰⁴⁸.
+#[derive(PartialEq, Eq)]
+struct Sum([u64; Self::LIMBS]);
+
+impl Sum {
+    /// From 2⁻²¹⁴⁸ to 2²⁰⁴⁸, some carries, and what a product of 128 bits may reach beyond.
+    const LIMBS: usize = (2048 - LEAST).unsigned_abs() as usize / 64 + 4;
+    const ZERO: Self = Self([0; Self::LIMBS]);
+
+    /// Adds `product · 2^exponent`; the product has at most 106 bits.
+    fn add(&mut self, product: u128, exponent: i32) {
+        let shift = (exponent - LEAST).unsigned_abs();
+        let (first, bits) = ((shift / 64) as usize, shift % 64);
+        let (low, high) = (product & u128::from(u64::MAX), product >> 64);
+        let (low, high) = (low << bits, high << bits);
+        let (mut carry, mut next) = (low, high);
+        for limb in &mut self.0[first..] {
+            carry += u128::from(*limb);
+            #[allow(clippy::cast_possible_truncation, reason = "the rest is carried")]
+            let lowest = carry as u64;
+            *limb = lowest;
+            carry = (carry >> 64) + next;
+            next = 0;
+            if carry == 0 {
+                break;
+            }
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn power_of_two(exponent: i32) -> f64 {
+        f64::from(2).powi(exponent)
+    }
 
     fn line<E: Float>(direction: [f64; 3], places: [f64; 3]) -> Triangle<E> {
         let [a, b, c] =
@@ -105,6 +128,21 @@ mod tests {
         assert!(are_collinear(&Triangle { a, b, c }));
         let bent = Vec3 { x: c.x.next_up(), ..c };
         assert!(!are_collinear(&Triangle { a, b, c: bent }));
+    }
+
+    /// Along one axis numbers of all magnitudes: found by `trisect stress --exact`, where the smaller one
+    /// was lost to the larger.
+    #[test]
+    fn numbers_of_one_axis_are_told_apart() {
+        let zero = Vec3::new(0.0, 0.0, 0.0);
+        let a = Vec3::new(-8.03e249, 5.11e294, 0.0);
+        let c = Vec3::new(-3.14e-201, 0.0, 0.0);
+        assert!(!are_collinear(&Triangle { a, b: zero, c }));
+        assert!(are_collinear(&Triangle { a: Vec3 { y: 0.0, ..a }, b: zero, c }));
+        let least = Vec3::new(f64::from_bits(1), 0.0, 0.0);
+        let most = Vec3::new(f64::MAX, f64::MAX, f64::MAX);
+        assert!(!are_collinear(&Triangle { a: most, b: zero, c: least }));
+        assert!(are_collinear(&Triangle { a: most, b: zero, c: -most }));
     }
 
     /// Edges round here, so that neither their cross product nor its rounding can tell.
