@@ -17,6 +17,10 @@ const DIVIDE_PER_RAY: [&str; 3] = ["watertight", "watertight-one-precision", "wa
 /// Methods that cannot decide without a division.
 const ALWAYS_DIVIDE: [&str; 1] = ["angle-sum"];
 
+/// What it does not decide at once the exact method hands on, through memory, to stages that are compiled
+/// apart; so it does with hits, for their values.
+const HANDS_ON: &str = "exact";
+
 /// A function of known name and place: by it the other addresses are found in the file.
 #[inline(never)]
 fn landmark() -> usize {
@@ -159,7 +163,8 @@ fn shadow_rays_are_decided_without_a_division() {
         for instruction in loops.into_iter().flatten() {
             let at = format!("{place}: {:?} at {:x}", instruction.code(), instruction.ip());
             assert!(!divides(instruction), "divides for each triangle: {at}");
-            assert!(!stores(instruction), "stores something for each triangle: {at}");
+            let may_store = method == HANDS_ON;
+            assert!(may_store || !stores(instruction), "stores something for each triangle: {at}");
         }
     }
     let all = entries().iter().map(|entry| entry.info.name);
@@ -174,7 +179,8 @@ fn shadow_rays_are_decided_without_a_division() {
 fn values_take_a_division() {
     let code = Code::read();
     let (mut in_loops, mut all) = (0, 0);
-    for (method, kernel) in kernels(Output::Barycentrics, "deferred") {
+    let computed_here = |(method, _): &(&str, _)| *method != HANDS_ON;
+    for (method, kernel) in kernels(Output::Barycentrics, "deferred").filter(computed_here) {
         let functions = code.kernel(kernel);
         let place = format!("{method}, {:?}", kernel.variant.lane);
         assert!(functions.iter().flatten().any(divides), "{place} divides nowhere");

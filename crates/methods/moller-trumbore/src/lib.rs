@@ -2,8 +2,8 @@
 #![forbid(unsafe_code)]
 
 use trisect_core::{
-    Corners, Culling, Division, Forms, Hit, Homogeneous, Implied, Input, Interval, Lanes, Method,
-    MethodInfo, Of, Output, Ray, Scalar, Triangle, Vec3, record, seen,
+    Corners, Culling, Division, Early, Forms, Hit, Homogeneous, Implied, Input, Interval, Lanes,
+    Method, MethodInfo, Of, Output, Ray, Scalar, Triangle, TrueDivision, Vec3, record, seen,
 };
 
 record! {
@@ -148,7 +148,7 @@ impl<const ORDER: u8> PublishedOrder<ORDER> {
         found(mask, Hit { t, beta, gamma });
     }
 
-    /// Orders 2 to 4, and whoever asks for no values: tests of numerators, each followed by a way out.
+    /// Orders 2 to 4, and order 1 where it is not to divide: tests of numerators, each followed by a way out.
     #[inline(always)]
     fn test_numerators<L: Lanes, D: Division>(
         ray: &Ray<L>,
@@ -223,7 +223,9 @@ impl<const ORDER: u8> Method for PublishedOrder<ORDER> {
         culling: Culling,
         found: impl FnOnce(L::Mask, Hit<L>),
     ) {
-        if ORDER == 1 && D::VALUES {
+        // Known when it is compiled. The early form decides alike whatever is asked of it.
+        let divides_first = D::NAME == Early::<TrueDivision, true>::NAME;
+        if ORDER == 1 && divides_first {
             Self::test_quotients::<L, D>(ray, corners, interval, culling, found);
         } else {
             Self::test_numerators::<L, D>(ray, corners, interval, culling, found);
