@@ -22,16 +22,7 @@ fn nothing(names: &[&str]) -> StressSettings {
     } else {
         names.iter().map(|name| find(name).expect("it is in the catalogue")).collect()
     };
-    StressSettings {
-        seed: 1,
-        methods,
-        pairs: 0,
-        probes: 0,
-        crack_rays: 0,
-        watertight_rays: 0,
-        fuzz: 0,
-        exact: 0,
-    }
+    StressSettings::nothing(1, methods)
 }
 
 fn study(settings: &StressSettings) -> Vec<Record> {

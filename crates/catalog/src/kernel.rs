@@ -333,10 +333,9 @@ pub(crate) trait Instances: Method {
 
     /// A [`FlushingTest`](crate::FlushingTest).
     fn flushing<D: Division>(ray: &Ray<f32>, triangle: &Triangle<f32>) -> Option<Hit<f64>> {
-        let number = |x: f32| Flushing::from_f64(f64::from(x));
-        let [a, b, c] = triangle.corners().map(|corner| corner.map(number));
-        let ray = ray.map(|&x| number(x));
-        let hit = intersect_with::<Self, D, Flushing>(&ray, &Triangle { a, b, c }, Culling::None)?;
+        let number = |&x: &f32| Flushing::from_f64(f64::from(x));
+        let (ray, triangle) = (ray.map(number), triangle.map(number));
+        let hit = intersect_with::<Self, D, Flushing>(&ray, &triangle, Culling::None)?;
         Some(Hit { t: hit.t.to_f64(), beta: hit.beta.to_f64(), gamma: hit.gamma.to_f64() })
     }
 

@@ -81,16 +81,8 @@ fn hold_to_exactness(arguments: &Stress, methods: Vec<&'static Entry>, tests: u6
     if methods.iter().all(|entry| !entry.info.claims.exact) {
         bail!("none of these methods claims to be exact; `trisect list --json` says which do");
     }
-    let settings = StressSettings {
-        seed: arguments.seed,
-        methods,
-        pairs: 0,
-        probes: 0,
-        crack_rays: 0,
-        watertight_rays: 0,
-        fuzz: 0,
-        exact: tests,
-    };
+    let nothing = StressSettings::nothing(arguments.seed, methods);
+    let settings = StressSettings { exact: tests, ..nothing };
     let mut bar = Bar::new();
     let lines = trisect_harness::stress(&settings, &mut bar);
     drop(bar);

@@ -303,6 +303,12 @@ fn arguments() {
 
 #[test]
 fn nothing_to_recommend() {
+    // Whose hits no arithmetic of a fixed precision has exactly, all of them at once.
+    let skew = [
+        "0.3,0.4,2.9,0.07,0.11,-0.83",
+        "0.6,0.5,3.1,0.01,0.03,-0.77",
+        "0.5,0.7,2.3,-0.05,0.02,-0.91",
+    ];
     refused(vec![
         case("explain none.toml", "none.toml: cannot be read (…); check the path"),
         case("recommend --mesh none.obj", "none.obj: cannot be read (…); check the path"),
@@ -314,6 +320,13 @@ fn nothing_to_recommend() {
              --rays",
         )
         .file("r.csv", "ox,oy,oz,dx,dy,dz\n5,5,-3,0,0,1\n"),
+        // Normals are compiled for f32 alone, whose hits round.
+        case(
+            "recommend --mesh m.obj --rays r.csv --needs normal --max-error 1e-30",
+            "no kernel keeps its error within 1e-30 here; the least is …: allow that with --max-error",
+        )
+        .file("m.obj", "v 0.1 0.2 0.3\nv 1.7 0.3 0.9\nv 0.4 1.3 -0.7\nf 1 2 3\n")
+        .file("r.csv", format!("ox,oy,oz,dx,dy,dz\n{}", skew.join("\n"))),
         case(
             "recommend --mesh mesh.obj --rays rays.csv --needs normal --watertight",
             "no watertight kernel is compiled that gives normal; leave out --watertight, or ask for \

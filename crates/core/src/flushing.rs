@@ -90,8 +90,7 @@ impl Scalar for Flushing {
         Self(f32::smallest_det())
     }
     fn are_collinear(triangle: &Triangle<Self>) -> bool {
-        let [a, b, c] = triangle.corners().map(|corner| corner.map(|x| flushed(x.0)));
-        f32::are_collinear(&Triangle { a, b, c })
+        f32::are_collinear(&triangle.map(|x| flushed(x.0)))
     }
     #[inline(always)]
     fn unit_roundoff() -> Self {

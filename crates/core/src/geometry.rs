@@ -247,6 +247,17 @@ impl<X> Triangle<X> {
     pub fn new(a: impl Into<Vec3<X>>, b: impl Into<Vec3<X>>, c: impl Into<Vec3<X>>) -> Self {
         Self { a: a.into(), b: b.into(), c: c.into() }
     }
+
+    /// Applies `f` to each number, corner by corner.
+    #[inline(always)]
+    pub fn map<Y>(&self, mut f: impl FnMut(&X) -> Y) -> Triangle<Y> {
+        let Self { a, b, c } = self;
+        Triangle {
+            a: Vec3::new(f(&a.x), f(&a.y), f(&a.z)),
+            b: Vec3::new(f(&b.x), f(&b.y), f(&b.z)),
+            c: Vec3::new(f(&c.x), f(&c.y), f(&c.z)),
+        }
+    }
 }
 
 impl<X: Copy> Triangle<X> {

@@ -302,8 +302,7 @@ impl Kernel {
 }
 
 fn narrow<E: Scalar>(triangle: &Triangle<f64>) -> Triangle<E> {
-    let [a, b, c] = triangle.corners().map(|corner| corner.map(E::from_f64));
-    Triangle { a, b, c }
+    triangle.map(|&x| E::from_f64(x))
 }
 
 fn run<M: Method, L: Lanes, D: Division, A: Arrange>(

@@ -102,8 +102,7 @@ fn exact_formula<M: Method>(pair: &Pair) -> Outcome {
         let (zero, one) = (Exact::from_f64(0.0), Exact::from_f64(1.0));
         // The formula does not see the interval, and infinity is no rational.
         let ray = Ray { tmin: 0.0, tmax: 1.0, ..ray }.map(|&x| number(x));
-        let [a, b, c] = triangle.corners().map(|corner| corner.map(number));
-        let triangle = Triangle { a, b, c };
+        let triangle = triangle.map(|&x| number(x));
         let prepared = PreparedPair::<M, Exact>::new(&ray, &triangle);
         let front = ray.d.dot(triangle.normal()) < zero;
         let check = |form: &str, det: Exact, hit: Hit<Exact>, inside: bool| {
@@ -148,9 +147,8 @@ pub fn normals_are_normal<M: Method>() {
         let (ray, triangle) = pair.round::<f32>();
         Exact::scope(|| {
             let ray = Ray { tmin: 0.0, tmax: 1.0, ..ray }.map(|&x| number(x));
-            let [a, b, c] = triangle.corners().map(|corner| corner.map(number));
+            let triangle = triangle.map(|&x| number(x));
             let axis = if M::TURNS { ray.d.largest_axis() } else { 2 };
-            let triangle = Triangle { a, b, c };
             if triangle.is_degenerate() {
                 return Ok(());
             }

@@ -110,54 +110,42 @@ pub(crate) fn in_packets<L, T, const ROBUST: bool>(
 {
     token.run(
         #[inline(always)]
-        || each_packet::<L, T, ROBUST>(tree, token, rays, numbers, found),
+        || {
+            let mut rows = Rows::EMPTY;
+            let mut items = vec![Waiting { key: 0, rays: 0 }; waiting::room(tree.depth)];
+            let mut start = 0;
+            while start < rays.len() {
+                let part = start..rays.len().min(start + RAYS);
+                let mut left = if numbers.is_empty() {
+                    rows.fill::<L, ROBUST>(token, rays[part.clone()].iter())
+                } else {
+                    let numbers = numbers[part.clone()].iter();
+                    rows.fill::<L, ROBUST>(
+                        token,
+                        numbers.map(
+                            #[inline(always)]
+                            |&number| &rays[number as usize],
+                        ),
+                    )
+                };
+                while left != 0 {
+                    let envelope = Envelope::new::<L>(token, &rows, left);
+                    left &= !envelope.rays;
+                    go::<L, ROBUST>(tree, token, &mut rows, envelope, &mut items);
+                }
+                if numbers.is_empty() {
+                    for (found, best) in found[part.clone()].iter_mut().zip(&rows.best) {
+                        *found = T::of(best);
+                    }
+                } else {
+                    for (&number, best) in numbers[part.clone()].iter().zip(&rows.best) {
+                        found[number as usize] = T::of(best);
+                    }
+                }
+                start = part.end;
+            }
+        },
     );
-}
-
-#[inline(always)]
-fn each_packet<L, T, const ROBUST: bool>(
-    tree: Whole<'_>,
-    token: L::Token,
-    rays: &[Ray<f32>],
-    numbers: &[u32],
-    found: &mut [T],
-) where
-    L: Lanes<Elem = f32>,
-    T: Found,
-{
-    let mut rows = Rows::EMPTY;
-    let mut items = vec![Waiting { key: 0, rays: 0 }; waiting::room(tree.depth)];
-    let mut start = 0;
-    while start < rays.len() {
-        let part = start..rays.len().min(start + RAYS);
-        let mut left = if numbers.is_empty() {
-            rows.fill::<L, ROBUST>(token, rays[part.clone()].iter())
-        } else {
-            let numbers = numbers[part.clone()].iter();
-            rows.fill::<L, ROBUST>(
-                token,
-                numbers.map(
-                    #[inline(always)]
-                    |&number| &rays[number as usize],
-                ),
-            )
-        };
-        while left != 0 {
-            let envelope = Envelope::new::<L>(token, &rows, left);
-            left &= !envelope.rays;
-            go::<L, ROBUST>(tree, token, &mut rows, envelope, &mut items);
-        }
-        if numbers.is_empty() {
-            for (found, best) in found[part.clone()].iter_mut().zip(&rows.best) {
-                *found = T::of(best);
-            }
-        } else {
-            for (&number, best) in numbers[part.clone()].iter().zip(&rows.best) {
-                found[number as usize] = T::of(best);
-            }
-        }
-        start = part.end;
-    }
 }
 
 /// Takes the rays of an envelope through the tree.

@@ -1,13 +1,12 @@
 //! The stress families turn the knob that they name, and nothing else breaks.
 
-use trisect_core::{Float, Ray, Scalar, Triangle, Vec3};
+use trisect_core::{Float, Ray, Triangle, Vec3};
 use trisect_workloads::Stress;
 
 const COUNT: usize = 200;
 
 fn wide<E: Float>((ray, triangle): (Ray<E>, Triangle<E>)) -> (Ray<f64>, Triangle<f64>) {
-    let [a, b, c] = triangle.corners().map(|corner| corner.map(Scalar::to_f64));
-    (ray.map(|x| x.to_f64()), Triangle { a, b, c })
+    (ray.map(|x| x.to_f64()), triangle.map(|x| x.to_f64()))
 }
 
 fn length(v: Vec3<f64>) -> f64 {

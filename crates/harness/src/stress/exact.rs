@@ -254,14 +254,8 @@ fn judge<E: Precision>(
     #[allow(clippy::cast_possible_truncation, reason = "it is a number of f32")]
     let single = |x: &E| x.to_f64() as f32;
     let rays: Vec<Ray<f32>> = scene.rays.iter().map(|ray| ray.map(single)).collect();
-    let triangles: Vec<Triangle<f32>> = scene
-        .triangles
-        .iter()
-        .map(|triangle| {
-            let [a, b, c] = triangle.corners().map(|corner| corner.map(|x| single(&x)));
-            Triangle { a, b, c }
-        })
-        .collect();
+    let triangles: Vec<Triangle<f32>> =
+        scene.triangles.iter().map(|triangle| triangle.map(single)).collect();
     let builder = Builder::ALL[place(number, Builder::ALL.len())];
     let Ok(tree) = (entry.tree)(&triangles, builder) else { return };
     for (at, (_, tracing)) in TRACINGS.into_iter().enumerate() {

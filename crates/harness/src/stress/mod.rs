@@ -37,6 +37,22 @@ pub struct StressSettings {
     pub exact: u64,
 }
 
+impl StressSettings {
+    /// Nothing, to be filled in.
+    pub fn nothing(seed: u64, methods: Vec<&'static Entry>) -> Self {
+        Self {
+            seed,
+            methods,
+            pairs: 0,
+            probes: 0,
+            crack_rays: 0,
+            watertight_rays: 0,
+            fuzz: 0,
+            exact: 0,
+        }
+    }
+}
+
 /// A method that claims to be exact gave an answer that is not.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}; this is a bug in trisect, please report it with the command")]

@@ -141,8 +141,7 @@ impl<E: Float> TruePair<E> {
 }
 
 fn widen<E: Float>(ray: &Ray<E>, triangle: &Triangle<E>) -> (Ray<f64>, Triangle<f64>) {
-    let [a, b, c] = triangle.corners().map(|corner| corner.map(Scalar::to_f64));
-    (ray.map(|x| x.to_f64()), Triangle { a, b, c })
+    (ray.map(|x| x.to_f64()), triangle.map(|x| x.to_f64()))
 }
 
 /// How far a number is from the true one.

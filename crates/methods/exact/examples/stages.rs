@@ -30,9 +30,8 @@ fn table<E: Precision>() {
     row(
         "random",
         pairs.map(|(ray, triangle)| {
-            let number = |x: f32| E::from_f64(f64::from(x));
-            let [a, b, c] = triangle.corners().map(|corner| corner.map(number));
-            Stage::of(&ray.map(|&x| number(x)), &trisect_core::Triangle { a, b, c })
+            let number = |&x: &f32| E::from_f64(f64::from(x));
+            Stage::of(&ray.map(number), &triangle.map(number))
         }),
     );
     for family in Stress::ALL {

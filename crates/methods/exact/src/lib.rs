@@ -250,8 +250,7 @@ fn lanes_of(mut bits: u64) -> impl Iterator<Item = usize> {
 
 /// The same triangle, in f64, which holds it exactly.
 fn widened<X: Scalar>(triangle: &Triangle<X>) -> Triangle<f64> {
-    let [a, b, c] = triangle.corners().map(|corner| corner.map(X::to_f64));
-    Triangle { a, b, c }
+    triangle.map(|x| x.to_f64())
 }
 
 trisect_core::methods!(Exact);

@@ -28,14 +28,7 @@ impl LanesVisitor for Closest<'_> {
     fn visit<L: Lanes<Elem: Precision>>(&mut self) {
         let Some(token) = L::Token::detect() else { return };
         let same = |&x: &f32| <L::Elem as trisect_core::Scalar>::from_f64(f64::from(x));
-        let triangles: Vec<_> = self
-            .triangles
-            .iter()
-            .map(|t| {
-                let [a, b, c] = t.corners().map(|v| v.map(|x| same(&x)));
-                Triangle { a, b, c }
-            })
-            .collect();
+        let triangles: Vec<_> = self.triangles.iter().map(|t| t.map(same)).collect();
         let prepared = PreparedTriangles::new(&triangles).expect("it takes all meshes");
         let found = closest::<L>(token, &self.ray.map(same), &triangles, &prepared);
         let found = found.map(|(number, hit)| (number, hit.t));

@@ -97,8 +97,7 @@ fn a_tenth_of_the_bound_calls_misses_hits() {
 /// Subnormal numbers as zeros of their sign.
 fn flushed((ray, triangle): &Pair<f32>) -> Pair<f32> {
     let zero = |x: &f32| if x.is_subnormal() { 0.0_f32.copysign(*x) } else { *x };
-    let [a, b, c] = triangle.corners().map(|corner| corner.map(|x| zero(&x)));
-    (ray.map(zero), Triangle { a, b, c })
+    (ray.map(zero), triangle.map(zero))
 }
 
 fn truth((ray, triangle): &Pair<f32>) -> Option<Hit<f32>> {
@@ -116,8 +115,7 @@ fn flushing_to_zero_gives_the_truth_of_the_numbers_or_of_zeros_for_them() {
         for level in family.levels::<f32>() {
             for pair in family.pairs::<f32>(3, level, 100) {
                 let number = |x: &f32| Flushing::from_f64(f64::from(*x));
-                let [a, b, c] = pair.1.corners().map(|corner| corner.map(|x| number(&x)));
-                let (ray, triangle) = (pair.0.map(number), Triangle { a, b, c });
+                let (ray, triangle) = (pair.0.map(number), pair.1.map(number));
                 let found = intersect_with::<Exact, Deferred<TrueDivision, true>, Flushing>(
                     &ray,
                     &triangle,

@@ -102,15 +102,8 @@ impl<M: Method, E: Precision> LanesVisitor for Wrong<'_, M, E> {
         let Some(token) = L::Token::detect() else { return };
         let same = |x: E| L::Elem::from_f64(x.to_f64());
         let rays: Vec<Ray<L::Elem>> = self.scene.rays.iter().map(|r| r.map(|&x| same(x))).collect();
-        let triangles: Vec<Triangle<L::Elem>> = self
-            .scene
-            .triangles
-            .iter()
-            .map(|t| {
-                let [a, b, c] = t.corners().map(|corner| corner.map(same));
-                Triangle { a, b, c }
-            })
-            .collect();
+        let triangles: Vec<Triangle<L::Elem>> =
+            self.scene.triangles.iter().map(|t| t.map(|&x| same(x))).collect();
         let prepared =
             PreparedTriangles::<M, L::Elem>::new(&triangles).expect("it takes all meshes");
         let packets = Packets::new::<M>(&rays);

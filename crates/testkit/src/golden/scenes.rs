@@ -205,10 +205,7 @@ fn at_surface<E: Golden>(
     let triangles: Vec<Triangle<f64>> = surface
         .triangles::<E>(placement)
         .into_iter()
-        .map(|triangle| {
-            let [a, b, c] = triangle.corners().map(|corner| corner.map(Scalar::to_f64));
-            Triangle { a, b, c }
-        })
+        .map(|triangle| triangle.map(|x| x.to_f64()))
         .collect();
     let of = |first: u32| match each {
         Each::Hits => Wanted::AtLeast(1),
