@@ -8,7 +8,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use trisect_catalog::{Builder, Entry, Finder, Tracing, TriangleHit};
-use trisect_core::{Culling, Float, Hit, Precision, Ray, Triangle, Vec3};
+use trisect_core::{Culling, Float, Hit, Interval, Precision, Ray, Triangle, Vec3};
 use trisect_oracle::Oracle;
 use trisect_workloads::{Aim, Feature, Mesh, Placement, Stress, Surface, diffuse_bounce, primary};
 
@@ -116,11 +116,9 @@ impl Truth {
     fn new<E: Float>(scene: &Scene<E>) -> Self {
         let mut oracle = Oracle::default();
         let mut truth = Self { answers: Vec::new(), closest: Vec::new() };
-        let end = E::largest_t();
         for ray in &scene.rays {
             // No method hits beyond half the largest number: that is in the contract.
-            let tmin = if ray.tmin < -end { -end } else { ray.tmin };
-            let tmax = if ray.tmax > end { end } else { ray.tmax };
+            let Interval { tmin, tmax } = Interval::new(ray.tmin, ray.tmax);
             let ray = Ray { tmin, tmax, ..*ray };
             let hits = scene.triangles.iter().map(|triangle| {
                 let Hit { t, beta, gamma } = oracle.intersect(&ray, triangle).hit?;

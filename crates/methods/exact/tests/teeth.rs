@@ -1,8 +1,8 @@
 //! How much of the filter's bound is needed: pairs that a narrower one decides falsely.
 
 use trisect_core::{
-    Culling, Deferred, Flushing, Hit, Ray, Scalar as _, Triangle, TrueDivision, Vec3, intersect,
-    intersect_with,
+    Culling, Deferred, Flushing, Hit, Interval, Ray, Scalar as _, Triangle, TrueDivision, Vec3,
+    intersect, intersect_with,
 };
 use trisect_exact::{Exact, Width};
 use trisect_oracle::Oracle;
@@ -101,8 +101,8 @@ fn flushed((ray, triangle): &Pair<f32>) -> Pair<f32> {
 }
 
 fn truth((ray, triangle): &Pair<f32>) -> Option<Hit<f32>> {
-    let end = f32::largest_t();
-    let ray = Ray { tmin: ray.tmin.max(-end), tmax: ray.tmax.min(end), ..*ray };
+    let Interval { tmin, tmax } = Interval::new(ray.tmin, ray.tmax);
+    let ray = Ray { tmin, tmax, ..*ray };
     Oracle::default().intersect(&ray, triangle).hit
 }
 

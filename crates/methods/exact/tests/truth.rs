@@ -2,8 +2,9 @@
 //! fused, and in both arrangements.
 
 use trisect_core::{
-    BLOCK, Culling, Deferred, Float, Hit, Lanes, LanesVisitor, Method, PADDING, Packets, Precision,
-    PreparedTriangles, Ray, Scalar, Token, Triangle, TrueDivision, Vec3, one_ray, one_triangle,
+    BLOCK, Culling, Deferred, Float, Hit, Interval, Lanes, LanesVisitor, Method, PADDING, Packets,
+    Precision, PreparedTriangles, Ray, Scalar, Token, Triangle, TrueDivision, Vec3, one_ray,
+    one_triangle,
 };
 use trisect_exact::{Exact, Width};
 use trisect_oracle::Oracle;
@@ -34,12 +35,8 @@ impl<E: Precision> Scene<E> {
         let mut oracle = Oracle::default();
         for ray in &rays {
             // The interval of the contract: no `t` beyond half the largest number.
-            let end = E::largest_t();
-            let ray = Ray {
-                tmin: if ray.tmin < -end { -end } else { ray.tmin },
-                tmax: if ray.tmax > end { end } else { ray.tmax },
-                ..*ray
-            };
+            let Interval { tmin, tmax } = Interval::new(ray.tmin, ray.tmax);
+            let ray = Ray { tmin, tmax, ..*ray };
             for triangle in &triangles {
                 truth.push(oracle.intersect(&ray, triangle).hit.map(|hit| bits(&hit)));
             }

@@ -373,17 +373,6 @@ fn build(name: String, raw: &Raw) -> Result<Mesh, MeshProblem> {
         triangles.push(Triangle::new(corner(0)?, corner(1)?, corner(2)?));
     }
     let bounds = Bounds::of(&triangles).ok_or(MeshProblem::Empty)?;
-    let degenerate = triangles.iter().filter(|triangle| has_no_area(triangle)).count();
+    let degenerate = triangles.iter().filter(|triangle| triangle.is_degenerate()).count();
     Ok(Mesh { name, triangles: triangles.into(), degenerate, bounds })
-}
-
-/// Whether the corners lie exactly on one line. `f32` coordinates keep the predicate far from
-/// the underflow that would make it inexact.
-fn has_no_area(triangle: &Triangle<f32>) -> bool {
-    let flat = |u: fn(Vec3<f32>) -> f32, v: fn(Vec3<f32>) -> f32| {
-        let [a, b, c] =
-            triangle.corners().map(|p| robust::Coord { x: f64::from(u(p)), y: f64::from(v(p)) });
-        robust::orient2d(a, b, c) == 0.0
-    };
-    flat(|p| p.x, |p| p.y) && flat(|p| p.y, |p| p.z) && flat(|p| p.z, |p| p.x)
 }
