@@ -53,6 +53,20 @@ pub enum Culling {
     Front,
 }
 
+impl Culling {
+    /// `mask` without the lanes whose face is not seen: `facing` is positive at the front, negative at the
+    /// back.
+    #[inline(always)]
+    pub fn seen<L: Lanes>(self, mask: L::Mask, facing: impl FnOnce() -> L) -> L::Mask {
+        if self == Self::None {
+            return mask;
+        }
+        let facing = facing();
+        let zero = facing.constant(L::Elem::from_f64(0.0));
+        mask & if self == Self::Back { facing.gt(zero) } else { facing.lt(zero) }
+    }
+}
+
 /// How `1 / x` is computed.
 pub trait Reciprocal: 'static {
     /// The name used in records.
@@ -286,10 +300,9 @@ pub fn seen<M: Method, L: Lanes>(
     det: L,
     culling: Culling,
 ) -> L::Mask {
-    let zero = det.constant(L::Elem::from_f64(0.0));
-    match culling {
-        Culling::None => mask,
-        Culling::Back => mask & M::facing(ray, triangle, det).gt(zero),
-        Culling::Front => mask & M::facing(ray, triangle, det).lt(zero),
-    }
+    culling.seen::<L>(
+        mask,
+        #[inline(always)]
+        || M::facing(ray, triangle, det),
+    )
 }

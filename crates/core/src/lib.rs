@@ -40,7 +40,7 @@ pub use kernel::{
     shared_packets,
 };
 pub use lanes::{Arithmetic, Float, Fused, Lanes, Plain, Scalar, Vector};
-pub use method::{Homogeneous, Method, MethodVisitor, Quotients, RayParts};
+pub use method::{Homogeneous, Method, MethodVisitor, Quotients, RayParts, Screened};
 pub use needs::{Barycentrics, Distance, Needs, Normal, Occlusion, Point};
 pub use number::Number;
 pub use planes::{Functions, MappedRay, PlaneFirst, Slopes, ThreePlanes};

@@ -52,6 +52,19 @@ impl<L, A> Quotients<L, A> {
     }
 }
 
+/// What a method that claims to be exact says of a vector of pairs before it looks closely.
+#[derive(Clone, Copy, Debug)]
+pub struct Screened<L: Lanes> {
+    /// Lanes that hit for certain, and whose face is seen.
+    pub certain: L::Mask,
+    /// Lanes that are neither sure to hit nor sure to miss, in bits, whichever face is seen.
+    pub open: u64,
+    /// Between which numbers `t` lies, of lanes that are certain or open: no smaller than this,
+    pub low: L,
+    /// and no larger than this. Infinite where nothing is known, of open lanes alone.
+    pub high: L,
+}
+
 /// What is computed once per ray, in parts, so that rays of a packet may share what depends on a
 /// common origin or direction alone: a loop over the rays then computes it once.
 pub trait RayParts: Copy {
@@ -177,12 +190,34 @@ pub trait Method: Send + Sync + Sized + 'static {
         D::test::<Self, L>(ray, triangle, interval, culling, found);
     }
 
-    /// The values of a hit, where a decision gave none; the triangle as it was prepared, the ray as it was
-    /// given. For methods that claim to be exact.
+    /// What is certain of a vector of pairs, and between which numbers `t` lies: for who decides about the
+    /// open ones, by [`test`](Method::test), and computes [`values`](Method::values) once it knows that it
+    /// needs them. For methods that claim to be exact.
     ///
     /// # Panics
     /// For all others.
-    fn values<X: Scalar>(_ray: &Ray<X>, _triangle: &Of<Self::Prepared, X>) -> Hit<X> {
+    #[inline(always)]
+    fn screen<L: Lanes>(
+        _ray: &Self::PreparedRay<L>,
+        _triangle: &Of<Self::Prepared, L>,
+        _interval: Interval<L>,
+        _culling: Culling,
+        _found: impl FnOnce(Screened<L>),
+    ) {
+        unreachable!("pairs are screened where decisions are exact")
+    }
+
+    /// The values of the first `count` of some hits, where decisions gave none; other places get anything.
+    /// The triangles as they were prepared, the rays as they were given. For methods that claim to be exact.
+    ///
+    /// # Panics
+    /// For all others.
+    #[inline(always)]
+    fn values<X: Scalar, const N: usize>(
+        _rays: &Ray<[X; N]>,
+        _triangles: &Of<Self::Prepared, [X; N]>,
+        _count: usize,
+    ) -> Hit<[X; N]> {
         unreachable!("values are asked for apart where they are computed apart")
     }
 

@@ -98,8 +98,13 @@ impl<M: Method> Copy for Block<M> {}
 
 impl<M: Method> Block<M> {
     /// One of them.
+    #[inline(always)]
     pub(crate) fn prepared_of(&self, lane: usize) -> Of<M::Prepared, f32> {
-        M::Prepared::map(&self.prepared, |row: &[f32; WIDTH]| row[lane])
+        M::Prepared::map(
+            &self.prepared,
+            #[inline(always)]
+            |row: &[f32; WIDTH]| row[lane],
+        )
     }
 }
 
@@ -137,9 +142,6 @@ pub struct Bvh<M: Method> {
     pub(crate) blocks: Vec<Block<M>>,
     /// The kind of triangles in each block; empty where the method has one.
     pub(crate) groups: Vec<u8>,
-    /// Where each triangle is, one of its places in the blocks; empty where the method does not order
-    /// what is equally near.
-    pub(crate) places: Vec<u32>,
     /// Nodes on the longest way down.
     pub(crate) depth: usize,
     pub(crate) bounds: Bounds,
@@ -210,10 +212,16 @@ fn cost(nodes: &[Node], bounds: &Bounds) -> f64 {
 }
 
 impl<M: Method> Bvh<M> {
-    /// A triangle, by its number.
-    pub(crate) fn prepared(&self, triangle: u32) -> Of<M::Prepared, f32> {
-        let place = self.places[triangle as usize] as usize;
-        self.blocks[place / WIDTH].prepared_of(place % WIDTH)
+    /// The triangle at a place among all blocks.
+    #[inline(always)]
+    pub(crate) fn prepared(&self, place: u32) -> Of<M::Prepared, f32> {
+        self.blocks[place as usize / WIDTH].prepared_of(place as usize % WIDTH)
+    }
+
+    /// Its number.
+    #[inline(always)]
+    pub(crate) fn triangle(&self, place: u32) -> u32 {
+        self.blocks[place as usize / WIDTH].triangles[place as usize % WIDTH]
     }
 
     /// Facts about the tree.
@@ -226,8 +234,7 @@ impl<M: Method> Bvh<M> {
             depth: self.depth,
             bytes: size_of_val(&self.nodes[..])
                 + size_of_val(&self.blocks[..])
-                + size_of_val(&self.groups[..])
-                + size_of_val(&self.places[..]),
+                + size_of_val(&self.groups[..]),
             cost: cost(&self.nodes, &self.bounds),
         }
     }

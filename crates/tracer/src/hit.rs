@@ -14,9 +14,10 @@ pub struct TriangleHit {
     pub hit: Hit<f32>,
 }
 
-/// What is farther than every hit, and nearer than infinity, which stands for none.
+/// What is farther than every hit, and nearer than infinity, which stands for none: whichever number stands
+/// for `t`.
 pub(crate) const NO_HIT: TriangleHit =
-    TriangleHit { triangle: u32::MAX, hit: Hit { t: f32::MAX, beta: 0.0, gamma: 0.0 } };
+    TriangleHit { triangle: u32::MAX, hit: Hit { t: f32::MAX, beta: f32::MAX, gamma: 0.0 } };
 
 impl TriangleHit {
     /// Whether it is not [`NO_HIT`].

@@ -4,11 +4,12 @@ use std::hint::select_unpredictable;
 use std::ops::Range;
 
 use trisect_core::{
-    Culling, DecisionOnly, Deferred, Division, Early, Hit, Interval, Lanes, Method, Of, Ray,
-    Record, TrueDivision,
+    Culling, DecisionOnly, Deferred, Division, Early, Hit, Interval, Lanes, Method, Of, Record,
+    TrueDivision,
 };
 
-use crate::bvh::{Block, Bvh, WIDTH};
+use crate::bvh::WIDTH;
+use crate::exactly::{self, Given};
 use crate::hit::TriangleHit;
 use crate::rows::least;
 use crate::slabs::{ROUNDINGS, UNDERFLOW};
@@ -34,40 +35,33 @@ pub(crate) fn end<const ANY: bool, const ROBUST: bool>(best: &TriangleHit, tmax:
 /// is one.
 #[inline(always)]
 pub(crate) fn test_leaf<M, L, const ANY: bool>(
-    bvh: &Bvh<M>,
     token: L::Token,
     blocks: Range<usize>,
-    culling: Culling,
-    ray: &Ray<f32>,
+    given: Given<'_, M>,
     best: &mut TriangleHit,
 ) where
     M: Method,
     L: Lanes<Elem = f32>,
 {
-    let axis = if const { M::TURNS } { ray.d.largest_axis() } else { 2 };
+    let axis = if const { M::TURNS } { given.ray.d.largest_axis() } else { 2 };
     match axis {
-        0 if const { M::TURNS } => {
-            test_blocks::<M, L, ANY, 0>(bvh, token, blocks, culling, ray, best);
-        }
-        1 if const { M::TURNS } => {
-            test_blocks::<M, L, ANY, 1>(bvh, token, blocks, culling, ray, best);
-        }
-        _ => test_blocks::<M, L, ANY, 2>(bvh, token, blocks, culling, ray, best),
+        0 if const { M::TURNS } => test_blocks::<M, L, ANY, 0>(token, blocks, given, best),
+        1 if const { M::TURNS } => test_blocks::<M, L, ANY, 1>(token, blocks, given, best),
+        _ => test_blocks::<M, L, ANY, 2>(token, blocks, given, best),
     }
 }
 
 #[inline(always)]
 fn test_blocks<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usize>(
-    bvh: &Bvh<M>,
     token: L::Token,
     blocks: Range<usize>,
-    culling: Culling,
-    ray: &Ray<f32>,
+    given: Given<'_, M>,
     best: &mut TriangleHit,
 ) {
-    let given = ray;
+    let Given { bvh, ray, .. } = given;
     let interval = Interval { tmin: L::splat(token, ray.tmin), tmax: L::splat(token, ray.tmax) };
-    // What is computed once per ray costs less here than to keep it for every ray in flight.
+    // What is computed once per ray costs less here than to keep it for every ray in flight, even where it
+    // divides.
     let ray = ray
         .map(
             #[inline(always)]
@@ -76,19 +70,9 @@ fn test_blocks<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usi
         .with_axis_last(AXIS);
     // Not zipped: that may stay a call.
     for at in blocks {
-        let block = &bvh.blocks[at];
         let group = if const { M::GROUPS > 1 } { usize::from(bvh.groups[at]) } else { 0 };
         let ray = M::prepare_ray(&ray, group);
-        test_block::<M, L, ANY, AXIS>(
-            token,
-            &ray,
-            block,
-            interval,
-            culling,
-            best,
-            #[inline(always)]
-            |best, hits| settle(bvh, given, block, hits, best),
-        );
+        test_block::<M, L, ANY, AXIS>(token, &ray, at, interval, given, best);
     }
 }
 
@@ -97,12 +81,12 @@ fn test_blocks<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usi
 fn test_block<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usize>(
     token: L::Token,
     ray: &M::PreparedRay<L>,
-    block: &Block<M>,
+    at: usize,
     interval: Interval<L>,
-    culling: Culling,
+    given: Given<'_, M>,
     best: &mut TriangleHit,
-    settle: impl Fn(&mut TriangleHit, u64),
 ) {
+    let block = &given.bvh.blocks[at];
     let mut lane = 0;
     while lane < WIDTH {
         let triangle = M::Prepared::map(
@@ -111,50 +95,37 @@ fn test_block<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usiz
             |row: &[f32; WIDTH]| L::load(token, &row[lane..]),
         );
         let triangle = M::Prepared::with_axis_last(&triangle, AXIS);
-        test::<M, L, ANY>(
-            ray,
-            &triangle,
-            interval,
-            culling,
-            #[inline(always)]
-            |met, hit| {
-                if ANY {
-                    best.triangle = select_unpredictable(L::any(met), ANYTHING, best.triangle);
-                } else if const { M::INFO.claims.exact } {
-                    settle(best, L::bits(met) << lane);
-                } else {
-                    let numbers = &block.triangles[lane..];
-                    best.improve(nearest(met, hit, numbers));
-                }
-            },
-        );
+        if const { M::INFO.claims.exact && !ANY } {
+            M::screen(
+                ray,
+                &triangle,
+                interval,
+                given.culling,
+                #[inline(always)]
+                |screened| exactly::take::<M, L>(given, at, lane, screened, best),
+            );
+        } else {
+            test::<M, L, ANY>(
+                ray,
+                &triangle,
+                interval,
+                given.culling,
+                #[inline(always)]
+                |met, hit| {
+                    if ANY {
+                        best.triangle = select_unpredictable(L::any(met), ANYTHING, best.triangle);
+                    } else {
+                        best.improve(nearest(met, hit, &block.triangles[lane..]));
+                    }
+                },
+            );
+        }
         lane += L::N;
     }
 }
 
-/// Takes the first of the lanes of a block that hit, where it comes before the best hit: for a method that
-/// orders what is equally near, and computes values apart.
-#[inline(never)]
-fn settle<M: Method>(
-    bvh: &Bvh<M>,
-    ray: &Ray<f32>,
-    block: &Block<M>,
-    mut hits: u64,
-    best: &mut TriangleHit,
-) {
-    while hits != 0 {
-        let lane = hits.trailing_zeros() as usize % WIDTH;
-        hits &= hits - 1;
-        let prepared = block.prepared_of(lane);
-        let hit = M::values(ray, &prepared);
-        let other = TriangleHit { triangle: block.triangles[lane], hit };
-        let first = best.triangle;
-        best.improve_by(other, || M::order(ray, &prepared, &bvh.prepared(first)));
-    }
-}
-
 /// The form of the division: the one that decides without quotients, where there is one, and without any
-/// where `ANY` hit will do or values come later. It does not ask whether anything is hit: in a leaf that a ray has come to that
+/// where `ANY` hit will do. It does not ask whether anything is hit: in a leaf that a ray has come to that
 /// is as likely as not, and a branch that is foretold wrongly costs as much as the rest of the test.
 #[inline(always)]
 fn test<M: Method, L: Lanes, const ANY: bool>(
@@ -181,7 +152,7 @@ fn in_form<M: Method, L: Lanes, D: Division, const ANY: bool>(
     culling: Culling,
     found: impl FnOnce(L::Mask, Hit<L>),
 ) {
-    if ANY || const { M::INFO.claims.exact } {
+    if ANY {
         M::test::<L, DecisionOnly<D>>(ray, triangle, interval, culling, found);
     } else {
         M::test::<L, D>(ray, triangle, interval, culling, found);

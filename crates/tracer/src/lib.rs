@@ -6,6 +6,7 @@ mod build;
 mod bvh;
 mod dispatch;
 mod envelope;
+mod exactly;
 mod hit;
 mod leaf;
 mod order;

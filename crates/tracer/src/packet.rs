@@ -12,6 +12,7 @@ use trisect_core::{Culling, Lanes, Method, Ray, Token as _, Vec3};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
 use crate::envelope::Envelope;
+use crate::exactly::{Given, arrive};
 use crate::hit::Found;
 use crate::leaf::{end, test_leaf};
 use crate::rows::{RAYS, Rows, splat};
@@ -34,6 +35,9 @@ pub(crate) trait Leaves {
 
     /// Tests its triangles for those rays; whether any of them has hit anything so far.
     fn test(&self, rows: &mut Rows, rays: u64, blocks: Range<usize>) -> bool;
+
+    /// Computes what is left to compute of rays that have arrived.
+    fn arrive(&self, rows: &mut Rows);
 }
 
 /// The leaves of a tree for [`Leaves`], tested on lanes of choice.
@@ -64,7 +68,8 @@ where
                     rays &= rays - 1;
                     let (ray, best) = (rows.ray(place), &mut rows.best[place]);
                     let blocks = blocks.clone();
-                    test_leaf::<M, L, ANY>(bvh, token, blocks, Culling::None, &ray, best);
+                    let given = Given { bvh, ray, culling: Culling::None };
+                    test_leaf::<M, L, ANY>(token, blocks, given, best);
                     let is_hit = best.is_hit();
                     any |= is_hit;
                     let tmax = end::<ANY, ROBUST>(best, ray.tmax);
@@ -73,6 +78,16 @@ where
                 any
             },
         )
+    }
+
+    fn arrive(&self, rows: &mut Rows) {
+        if const { M::INFO.claims.exact && !ANY } {
+            let Self { bvh, token } = *self;
+            token.run(
+                #[inline(always)]
+                || arrive(bvh, rows),
+            );
+        }
     }
 }
 
@@ -133,6 +148,7 @@ pub(crate) fn in_packets<L, T, const ROBUST: bool>(
                     left &= !envelope.rays;
                     go::<L, ROBUST>(tree, token, &mut rows, envelope, &mut items);
                 }
+                tree.leaves.arrive(&mut rows);
                 if numbers.is_empty() {
                     for (found, best) in found[part.clone()].iter_mut().zip(&rows.best) {
                         *found = T::of(best);

@@ -10,12 +10,18 @@ use crate::slabs::Slabs;
 /// How many rays: one for each bit of a mask.
 pub(crate) const RAYS: usize = 64;
 
+/// Origin and direction of a ray.
+type Line = [Vec3<f32>; 2];
+
 /// A number of each ray.
 type Row = [f32; RAYS];
 
 /// Rays, what their tests of boxes need, and what they have found.
 #[repr(align(64))]
 pub(crate) struct Rows {
+    /// Origins and directions together, for who takes one ray: numbers of several rows would be gathered,
+    /// which takes longer than all else in a leaf.
+    lines: [Line; RAYS],
     o: [Row; 3],
     d: [Row; 3],
     /// The ends of their intervals, the last of which is at the best hit, where there is one.
@@ -28,6 +34,7 @@ pub(crate) struct Rows {
 
 impl Rows {
     pub(crate) const EMPTY: Self = Self {
+        lines: [[Vec3::new(0.0, 0.0, 0.0); 2]; RAYS],
         o: [[0.0; RAYS]; 3],
         d: [[0.0; RAYS]; 3],
         tmin: [0.0; RAYS],
@@ -47,6 +54,7 @@ impl Rows {
     ) -> u64 {
         let count = rays.len();
         for (place, ray) in rays.enumerate().take(RAYS) {
+            self.lines[place] = [ray.o, ray.d];
             self.o[0][place] = ray.o.x;
             self.o[1][place] = ray.o.y;
             self.o[2][place] = ray.o.z;
@@ -84,12 +92,8 @@ impl Rows {
     #[inline(always)]
     pub(crate) fn ray(&self, place: usize) -> Ray<f32> {
         let at = place % RAYS;
-        Ray {
-            o: Vec3::new(self.o[0][at], self.o[1][at], self.o[2][at]),
-            d: Vec3::new(self.d[0][at], self.d[1][at], self.d[2][at]),
-            tmin: self.tmin[at],
-            tmax: self.tmax[at],
-        }
+        let [o, d] = self.lines[at];
+        Ray { o, d, tmin: self.tmin[at], tmax: self.tmax[at] }
     }
 
     /// Where a ray's interval ends.

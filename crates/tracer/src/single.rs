@@ -5,6 +5,7 @@ use std::hint::select_unpredictable;
 use trisect_core::{Culling, Lanes, Method, Ray};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
+use crate::exactly::{Given, arrive};
 use crate::hit::Found;
 use crate::leaf::{end, test_leaf};
 use crate::rows::{RAYS, Rows};
@@ -102,7 +103,7 @@ impl<'a> Flight<'a> {
                 self.met = 0;
                 let blocks = first..first + count;
                 let (ray, best) = (rows.ray(self.place), &mut rows.best[self.place % RAYS]);
-                test_leaf::<M, L, ANY>(bvh, token, blocks, culling, &ray, best);
+                test_leaf::<M, L, ANY>(token, blocks, Given { bvh, ray, culling }, best);
                 if best.is_hit() {
                     let tmax = end::<ANY, ROBUST>(best, ray.tmax);
                     rows.end(self.place, tmax);
@@ -160,6 +161,9 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
                 continue;
             }
             at ^= other;
+        }
+        if const { M::INFO.claims.exact && !ANY } {
+            arrive(bvh, &mut rows);
         }
         for (found, best) in found.iter_mut().zip(&rows.best) {
             *found = T::of(best);

@@ -8,6 +8,7 @@ use std::ops::Range;
 use trisect_core::{Culling, Interval, Method, Ray};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
+use crate::exactly::{Given, arrived};
 use crate::hit::{Found as _, NO_HIT, TriangleHit};
 use crate::leaf::{end, test_leaf};
 use crate::single::descend;
@@ -76,12 +77,16 @@ impl<M: Method> Bvh<M> {
             for block in &self.blocks[blocks.clone()] {
                 triangles += distinct(&block.triangles).len();
             }
-            test_leaf::<M, f32, false>(self, (), blocks, Culling::None, &rest, &mut best);
+            let given = Given { bvh: self, ray: rest, culling: Culling::None };
+            test_leaf::<M, f32, false>((), blocks, given, &mut best);
             if best.is_hit() {
                 rest.tmax = end::<false, true>(&best, rest.tmax);
             }
             rest.tmax
         });
+        if const { M::INFO.claims.exact } {
+            best = arrived(self, ray, &best);
+        }
         Counted { found: Option::of(&best), nodes, triangles }
     }
 

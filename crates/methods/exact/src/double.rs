@@ -27,11 +27,13 @@ impl Bounded {
         i8::from(self.value > self.error) - i8::from(self.value < -self.error)
     }
 
-    /// The interval that the number is in, rounded to f32; `None` where that is more than one number.
+    /// The lower end of the interval that the number is in, rounded to f32, and whether the upper one rounds
+    /// to the same.
     #[allow(clippy::cast_possible_truncation, reason = "rounding to f32 is the point")]
-    fn single(self) -> Option<f64> {
-        let [low, high] = [self.value - self.error, self.value + self.error].map(|x| x as f32);
-        (low.to_bits() == high.to_bits()).then(|| f64::from(low))
+    #[inline(always)]
+    fn single(self) -> (f64, bool) {
+        let (low, high) = ((self.value - self.error) as f32, (self.value + self.error) as f32);
+        (f64::from(low), low.to_bits() == high.to_bits())
     }
 }
 
@@ -109,42 +111,47 @@ impl Estimate {
     pub(crate) fn singles(&self) -> Option<[f64; 3]> {
         let ([det, u, v, t], [p_det, p_u, p_v, p_t]) = (self.volumes, self.permanents);
         let det = self.bounded(det, p_det);
-        quotients(det, [self.bounded(t, p_t), self.bounded(u, p_u), self.bounded(v, p_v)])
+        let numerators = [self.bounded(t, p_t), self.bounded(u, p_u), self.bounded(v, p_v)];
+        let (singles, is_told) = quotients(det, numerators);
+        is_told.then_some(singles)
     }
 }
 
-/// The numerators over `det`, each rounded once to f32, where that is certain.
-fn quotients(det: Bounded, numerators: [Bounded; 3]) -> Option<[f64; 3]> {
+/// The numerators over `det`, each rounded once to f32, and whether that is certain. Those of `beta` and
+/// `gamma` are not larger than `det`.
+#[inline(always)]
+fn quotients(det: Bounded, [t, beta, gamma]: [Bounded; 3]) -> ([f64; 3], bool) {
     let size = det.value.abs();
-    if size <= 2.0 * det.error {
-        return None;
-    }
     let reciprocal = 1.0 / det.value;
     // At least 1/|y|, but for two roundings: the exact denominator is no smaller than |y'| − |Δy|.
-    let largest = 1.0 / (size - det.error);
-    let quotient = |x: Bounded| {
-        let value = x.value * reciprocal;
-        // |x/y − x'/y'| ≤ (|Δx| + |x'/y'|·|Δy|) / |y|; the rest is for the roundings of this line, of
-        // the quotient and of the ends of the interval.
-        let error = (x.error + value.abs() * det.error) * largest;
-        let error = error * (1.0 + 1e-9) + value.abs() * (4.0 * f64::EPSILON);
-        Bounded { value, error }.single()
-    };
-    let [t, beta, gamma] = numerators;
-    Some([quotient(t)?, quotient(beta)?, quotient(gamma)?])
+    let largest = (1.0 + 1e-9) / (size - det.error);
+    // |x/y − x'/y'| ≤ (|Δx| + |x'/y'|·|Δy|) / |y|; the rest is for the roundings of this line, of the
+    // quotient and of the ends of the interval.
+    let rounding = 4.0 * f64::EPSILON;
+    let of_weight = |error: f64| (error + det.error) * largest + rounding;
+    let value = t.value * reciprocal;
+    let error = (t.error + value.abs() * det.error) * largest + value.abs() * rounding;
+    let (t, is_t_told) = Bounded { value, error }.single();
+    let value = beta.value * reciprocal;
+    let (beta, is_beta_told) = Bounded { value, error: of_weight(beta.error) }.single();
+    let value = gamma.value * reciprocal;
+    let (gamma, is_gamma_told) = Bounded { value, error: of_weight(gamma.error) }.single();
+    let is_large = size > 2.0 * det.error;
+    ([t, beta, gamma], is_t_told & is_beta_told & is_gamma_told & is_large)
 }
 
-/// `t`, `beta` and `gamma` of a pair of f32, rounded once, where the filter's bounds can tell, in f64: they
-/// cost less than the permanents.
-pub(crate) fn singles_within(ray: &Ray<f64>, triangle: &Triangle<f64>) -> Option<[f64; 3]> {
+/// `t`, `beta` and `gamma` of a hit in numbers of f32, rounded once, and whether the filter's bounds, in f64,
+/// can tell them: they cost less than the permanents. Without branches, so that a loop over pairs can be
+/// spread over lanes. The size of the edges is that of f32, which is off by far less than the bounds allow.
+#[inline(always)]
+pub(crate) fn singles_within(ray: &Ray<f64>, triangle: &SizedTriangle<f64>) -> ([f64; 3], bool) {
     let ray = BoundedRay::new(ray.o, ray.d, 1.0);
-    let triangle = SizedTriangle::new(triangle);
-    let volumes = Volumes::new(&ray, &triangle);
-    let error = filter::bound(&ray, &triangle, &volumes);
-    if error >= filter::NO_BOUND {
-        return None;
-    }
-    let bounded = |value| Bounded { value, error };
-    let t = Bounded { value: volumes.t(), error: filter::bound_of_t(&triangle, &volumes, 1.0) };
-    quotients(bounded(volumes.det), [t, bounded(volumes.u), bounded(volumes.v)])
+    let volumes = Volumes::new(&ray, triangle);
+    let error = filter::bound(&ray, triangle, &volumes);
+    let numerator = |value| Bounded { value, error };
+    let t = Bounded { value: volumes.t(), error: filter::bound_of_t(triangle, &volumes, 1.0) };
+    let (singles, is_told) =
+        quotients(numerator(volumes.det), [t, numerator(volumes.u), numerator(volumes.v)]);
+    let is_bounded = error < filter::NO_BOUND;
+    (singles, is_told & is_bounded)
 }

@@ -2,7 +2,7 @@
 //!
 //! Every constant here is derived in `docs/derivations/exact.md`.
 
-use trisect_core::{Interval, Lanes, Of, RayParts, Scalar, Triangle, Vec3, record};
+use trisect_core::{Interval, Lanes, Of, RayParts, Scalar, Screened, Triangle, Vec3, record};
 
 record! {
     /// The corners of a triangle, and how long its edges are.
@@ -35,8 +35,10 @@ pub(crate) const NO_BOUND: f64 = power_of_two(30);
 /// What stands for the factor of a direction that is not filtered: it makes every bound too large.
 const NOT_FILTERED: f64 = power_of_two(126);
 /// Ends of the interval beyond this are brought back to it, so that products with them do not
-/// overflow.
+/// overflow; nothing is said of a `t` beyond it, as its quotient may have.
 const LATEST: f64 = power_of_two(60);
+/// What underflow takes from a quotient, and more.
+const UNDERFLOW: f64 = power_of_two(-124);
 
 /// `18u(1 + 2⁻⁹)`: nine roundings of sums of two; what is more covers the rounding of the bound itself,
 /// and underflow.
@@ -66,6 +68,13 @@ impl<X: Scalar> SizedTriangle<X> {
         let h = number(a.x, SHORTEST).max(largest(b - a).max(largest(c - a)));
         Self { a, b, c, h }
     }
+
+    /// The corners.
+    #[inline(always)]
+    pub(crate) fn corners(&self) -> Triangle<X> {
+        let Self { a, b, c, .. } = *self;
+        Triangle { a, b, c }
+    }
 }
 
 /// A ray, and the factor of the bounds.
@@ -75,21 +84,19 @@ pub struct BoundedRay<L> {
     pub o: Vec3<L>,
     /// Direction.
     pub d: Vec3<L>,
-    /// `18u(1 + 2⁻⁹)·|D|₁`, more for a direction that is not filtered, −1 for one that is zero, NaN for
-    /// one that is not finite.
+    /// `18u(1 + 2⁻⁹)·|D|₁`, more for a direction that is not filtered, −1 for one that is zero.
     pub scale: L,
 }
 
 impl<L: Lanes> BoundedRay<L> {
     /// The ray with its factor, `factor` times as large as it must be.
-    #[allow(clippy::eq_op, reason = "x − x is NaN where x is not finite")]
     #[inline(always)]
     pub(crate) fn new(o: Vec3<L>, d: Vec3<L>, factor: f64) -> Self {
         let size = d.x.magnitude() + (d.y.magnitude() + d.z.magnitude());
         let filtered = size.ge(number(size, SLOWEST)) & size.le(number(size, FASTEST));
         let scale = L::select(filtered, size * unit(size, factor), number(size, NOT_FILTERED));
-        let scale = L::select(size.is_zero(), number(size, -1.0), scale);
-        Self { o, d, scale: scale + (d - d).sum() }
+        let scale = L::select(size.le(number(size, 0.0)), number(size, -1.0), scale);
+        Self { o, d, scale }
     }
 }
 
@@ -162,7 +169,7 @@ pub(crate) fn bound<L: Lanes>(
 /// The lanes that do not miss for certain: not one volume is certainly positive and another certainly
 /// negative.
 ///
-/// A bound of NaN comes from a triangle or a ray that never hits. Where products overflow the bound is
+/// A bound of NaN comes from a triangle that never hits. Where products overflow the bound is
 /// beyond [`NO_BOUND`], so that whatever they are the lane stays.
 #[inline(always)]
 pub(crate) fn candidates<L: Lanes>(volumes: &Volumes<L>, bound: L) -> L::Mask {
@@ -171,7 +178,16 @@ pub(crate) fn candidates<L: Lanes>(volumes: &Volumes<L>, bound: L) -> L::Mask {
     most.min(-least).min(number(bound, NO_BOUND)).le(bound)
 }
 
-/// What is certain of the candidates. `factor` as for [`BoundedRay::new`].
+/// The lanes that are inside for certain, and those that the bound says anything about.
+#[inline(always)]
+fn inside<L: Lanes>(volumes: &Volumes<L>, bound: L) -> (L::Mask, L::Mask) {
+    let Volumes { u, v, w, .. } = *volumes;
+    let (most, least) = (u.max(v).max(w), u.min(v).min(w));
+    let is_bounded = bound.lt(number(bound, NO_BOUND));
+    (least.max(-most).gt(bound) & is_bounded, is_bounded)
+}
+
+/// What is certain of the candidates, without a division. `factor` as for [`BoundedRay::new`].
 #[inline(always)]
 pub(crate) fn verdict<L: Lanes>(
     ray: &BoundedRay<L>,
@@ -181,9 +197,8 @@ pub(crate) fn verdict<L: Lanes>(
     interval: &Interval<L>,
     factor: f64,
 ) -> Verdict<L> {
-    let Volumes { det, u, v, w, .. } = *volumes;
-    let (most, least) = (u.max(v).max(w), u.min(v).min(w));
-    let inside = least.max(-most).gt(bound) & bound.lt(number(bound, NO_BOUND));
+    let Volumes { det, u, .. } = *volumes;
+    let (inside, _) = inside(volumes, bound);
     // All volumes have the sign of any, so that t − τ is the sign of T' − τ·det'.
     let (det, t) = (det.xor_sign(u), volumes.t().xor_sign(u));
     let (latest, earliest) = (number(det, LATEST), number(det, -LATEST));
@@ -201,6 +216,38 @@ pub(crate) fn verdict<L: Lanes>(
     Verdict { hit, open: L::bits(candidates) & !L::bits(hit) & !L::bits(missed) }
 }
 
+/// The same, whichever face is seen, and between which numbers `t` lies.
+#[inline(always)]
+pub(crate) fn screened<L: Lanes>(
+    ray: &BoundedRay<L>,
+    triangle: &SizedTriangle<L>,
+    volumes: &Volumes<L>,
+    (bound, candidates): (L, L::Mask),
+    interval: &Interval<L>,
+    factor: f64,
+) -> Screened<L> {
+    let det = volumes.det;
+    let (inside, is_bounded) = inside(volumes, bound);
+    let reciprocal = number(det, 1.0) / det;
+    let t = volumes.t() * reciprocal;
+    let size = t.magnitude();
+    let from_det = (triangle.h * triangle.h) * ray.scale;
+    let of_numerators = size.mul_add(from_det, bound_of_t(triangle, volumes, factor));
+    let of_rounding =
+        size.mul_add(number(t, 4.0) * t.constant(L::Elem::unit_roundoff()), number(t, UNDERFLOW));
+    let error = of_numerators.mul_add(number(t, 2.0) * reciprocal.magnitude(), of_rounding);
+    // Of lanes inside this is so.
+    let is_told =
+        is_bounded & det.magnitude().ge(number(bound, 2.5) * bound) & size.le(number(size, LATEST));
+    let infinity = number(t, f64::INFINITY);
+    let low = L::select(is_told, t - error, -infinity);
+    let high = L::select(is_told, t + error, infinity);
+    let Interval { tmin, tmax } = *interval;
+    let possible = candidates & low.le(tmax) & high.ge(tmin);
+    let certain = possible & inside & low.ge(tmin) & high.le(tmax);
+    Screened { certain, open: L::bits(possible) & !L::bits(certain), low, high }
+}
+
 /// The bound of the error of `T`, as [`bound`] is that of the other volumes.
 #[inline(always)]
 pub(crate) fn bound_of_t<L: Lanes>(
@@ -211,12 +258,6 @@ pub(crate) fn bound_of_t<L: Lanes>(
     let h = triangle.h;
     let far = volumes.distance.max(number(h, NEAREST)) * (number(h, 3.0) * unit(h, factor));
     (h * h) * far
-}
-
-/// The corners alone.
-#[inline(always)]
-pub(crate) fn corners<X: Copy>(triangle: &SizedTriangle<X>) -> [Vec3<X>; 3] {
-    [triangle.a, triangle.b, triangle.c]
 }
 
 /// The triangle of lanes, as [`Of`] names it.

@@ -2,13 +2,19 @@
 
 use core::cmp::Ordering;
 
-use trisect_core::{Ray, Triangle, Vec3};
+use trisect_core::{Hit, Ray, Scalar, Triangle, Vec3};
 
 use crate::double::{self, Estimate};
+use crate::filter::SizedTriangle;
 use crate::whole::{self, Format, Volumes};
 
 /// Limbs for all that is computed from numbers of f32: 1673 bits for the order of two `t`.
 const SINGLE: usize = 27;
+
+/// Limbs for the order of two `t` where coordinates have [`FEW_BITS`] between the largest and the unit that
+/// all of them are multiples of: 491 bits.
+const FEW: usize = 8;
+const FEW_BITS: i32 = 60;
 
 /// Limbs for all that is computed from numbers of f64: 12 600 bits for the order of two `t`.
 const DOUBLE: usize = 198;
@@ -66,27 +72,59 @@ fn whole_outcome(precision: Precision, ray: &Ray<f64>, triangle: &Triangle<f64>)
     }
 }
 
-/// `t`, `beta` and `gamma` of a hit, each rounded once to the nearest number of the precision.
-pub(crate) fn values(
-    precision: Precision,
-    ray: &Ray<f64>,
-    triangle: &Triangle<f64>,
+/// Pairs that are computed together at least: as many numbers of f64 as any vector holds.
+const TOGETHER: usize = 8;
+
+/// `t`, `beta` and `gamma` of the first `count` of some hits, rounded once to the nearest number of the
+/// precision; other places get anything. `pair` gives the pair at a place.
+#[allow(clippy::needless_range_loop, reason = "a loop over places is spread over lanes")]
+#[inline(always)]
+pub(crate) fn values<X: Scalar, const N: usize>(
+    pair: impl Fn(usize) -> (Ray<f64>, SizedTriangle<f64>),
+    count: usize,
     unit: f64,
-) -> [f64; 3] {
-    let singles = match precision {
-        Precision::Single => double::singles_within(ray, triangle)
-            .or_else(|| Estimate::new(ray, triangle, unit).and_then(|e| e.singles())),
-        // Its last bit cannot be told in the same precision.
-        Precision::Double => None,
-    };
-    singles.unwrap_or_else(|| whole_values(precision, ray, triangle))
+) -> Hit<[X; N]> {
+    let precision = const { Precision::of_size(size_of::<X>()) };
+    let zeros = [X::from_f64(0.0); N];
+    let mut hit = Hit { t: zeros, beta: zeros, gamma: zeros };
+    let mut told = [0_u8; N];
+    // The last bit of f64 cannot be told in the same precision.
+    if precision == Precision::Single {
+        for place in 0..count.next_multiple_of(TOGETHER).min(N) {
+            let (ray, triangle) = pair(place);
+            let ([t, beta, gamma], is_told) = double::singles_within(&ray, &triangle);
+            hit.t[place] = X::from_f64(t);
+            hit.beta[place] = X::from_f64(beta);
+            hit.gamma[place] = X::from_f64(gamma);
+            told[place] = u8::from(is_told);
+        }
+    }
+    for place in 0..count.min(N) {
+        if told[place] == 0 {
+            let (ray, triangle) = pair(place);
+            let [t, beta, gamma] = exact_values(precision, &ray, &triangle, unit).map(X::from_f64);
+            hit.t[place] = t;
+            hit.beta[place] = beta;
+            hit.gamma[place] = gamma;
+        }
+    }
+    hit
 }
 
+/// The values of a pair whose values take longer.
 #[cold]
 #[inline(never)]
-fn whole_values(precision: Precision, ray: &Ray<f64>, triangle: &Triangle<f64>) -> [f64; 3] {
+fn exact_values(
+    precision: Precision,
+    ray: &Ray<f64>,
+    triangle: &SizedTriangle<f64>,
+    unit: f64,
+) -> [f64; 3] {
+    let triangle = &triangle.corners();
     match precision {
-        Precision::Single => Volumes::<SINGLE>::new(ray, triangle).values(Format::F32),
+        Precision::Single => Estimate::new(ray, triangle, unit)
+            .and_then(|estimate| estimate.singles())
+            .unwrap_or_else(|| Volumes::<SINGLE>::new(ray, triangle).values(Format::F32)),
         Precision::Double => Volumes::<DOUBLE>::new(ray, triangle).values(Format::F64),
     }
 }
@@ -98,16 +136,23 @@ pub(crate) fn order(
     first: &Triangle<f64>,
     second: &Triangle<f64>,
 ) -> Ordering {
+    let (Triangle { a, b, c }, Triangle { a: d, b: e, c: f }) = (*first, *second);
+    let is_near = whole::are_near(&[ray.o, a, b, c, d, e, f], FEW_BITS)
+        && whole::are_near(&[ray.d], FEW_BITS);
     match precision {
-        Precision::Single => {
-            let [first, second] = [first, second].map(|t| Volumes::<SINGLE>::new(ray, t));
-            first.order(&second)
-        }
-        Precision::Double => {
-            let [first, second] = [first, second].map(|t| Volumes::<DOUBLE>::new(ray, t));
-            first.order(&second)
-        }
+        _ if is_near => order_of::<FEW>(ray, first, second),
+        Precision::Single => order_of::<SINGLE>(ray, first, second),
+        Precision::Double => order_of::<DOUBLE>(ray, first, second),
     }
+}
+
+fn order_of<const LIMBS: usize>(
+    ray: &Ray<f64>,
+    first: &Triangle<f64>,
+    second: &Triangle<f64>,
+) -> Ordering {
+    let [first, second] = [first, second].map(|t| Volumes::<LIMBS>::new(ray, t));
+    first.order(&second)
 }
 
 /// Which way the path over three points of a plane turns; see [`whole::turn`].

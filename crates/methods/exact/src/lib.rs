@@ -6,7 +6,7 @@ use core::marker::PhantomData;
 
 use trisect_core::{
     BLOCK, Claims, Culling, Division, Forms, Given, Hit, Homogeneous, Input, Interval, Lanes,
-    Method, MethodInfo, Of, Output, Ray, Scalar, Triangle, Vec3,
+    Method, MethodInfo, Of, Output, Ray, Scalar, Screened, Triangle, Vec3,
 };
 
 mod closest;
@@ -90,14 +90,48 @@ impl<W: Width> Method for Exact<W> {
         (b - a).cross(c - a)
     }
 
-    fn values<X: Scalar>(ray: &Ray<X>, triangle: &Of<Self::Prepared, X>) -> Hit<X> {
-        let precision = const { Precision::of_size(size_of::<X>()) };
-        let ray = ray.map(|x| x.to_f64());
-        let [a, b, c] = filter::corners(triangle).map(|corner| corner.map(X::to_f64));
-        let unit = double::UNIT * W::DOUBLE;
-        let [t, beta, gamma] = ladder::values(precision, &ray, &Triangle { a, b, c }, unit);
-        let [t, beta, gamma] = [t, beta, gamma].map(X::from_f64);
-        Hit { t, beta, gamma }
+    #[inline(always)]
+    fn screen<L: Lanes>(
+        ray: &BoundedRay<L>,
+        triangle: &SizedTriangle<L>,
+        interval: Interval<L>,
+        culling: Culling,
+        found: impl FnOnce(Screened<L>),
+    ) {
+        let volumes = Volumes::new(ray, triangle);
+        let bound = filter::bound(ray, triangle, &volumes);
+        let candidates = filter::candidates(&volumes, bound);
+        if !L::any(candidates) {
+            return;
+        }
+        let bounds = (bound, candidates);
+        let screened = filter::screened(ray, triangle, &volumes, bounds, &interval, W::FILTER);
+        let certain = culling.seen::<L>(
+            screened.certain,
+            #[inline(always)]
+            || volumes.u,
+        );
+        found(Screened { certain, ..screened });
+    }
+
+    #[inline(always)]
+    fn values<X: Scalar, const N: usize>(
+        rays: &Ray<[X; N]>,
+        triangles: &Of<Self::Prepared, [X; N]>,
+        count: usize,
+    ) -> Hit<[X; N]> {
+        let SizedTriangle { a, b, c, h } = triangles;
+        ladder::values(
+            #[inline(always)]
+            |lane| {
+                let (o, d) = (lane_of(&rays.o, lane), lane_of(&rays.d, lane));
+                let [a, b, c] = [lane_of(a, lane), lane_of(b, lane), lane_of(c, lane)];
+                // Without the interval, which is settled.
+                (Ray { o, d, tmin: 0.0, tmax: 0.0 }, SizedTriangle { a, b, c, h: h[lane].to_f64() })
+            },
+            count,
+            double::UNIT * W::DOUBLE,
+        )
     }
 
     fn order<X: Scalar>(
@@ -105,11 +139,7 @@ impl<W: Width> Method for Exact<W> {
         first: &Of<Self::Prepared, X>,
         second: &Of<Self::Prepared, X>,
     ) -> Ordering {
-        let [first, second] = [first, second].map(|triangle| {
-            let [a, b, c] = filter::corners(triangle);
-            Triangle { a, b, c }
-        });
-        order(ray, &first, &second)
+        order(ray, &first.corners(), &second.corners())
     }
 
     fn stage<X: Scalar>(ray: &Ray<X>, triangle: &Triangle<X>) -> usize {
@@ -146,23 +176,21 @@ impl<W: Width> Method for Exact<W> {
             side = L::select(mask, side, settled);
             mask = mask | settled.lt(zero) | settled.gt(zero);
         }
-        let mask = match culling {
-            Culling::None => mask,
-            Culling::Back => mask & side.gt(zero),
-            Culling::Front => mask & side.lt(zero),
-        };
+        let mask = culling.seen::<L>(
+            mask,
+            #[inline(always)]
+            || side,
+        );
         if !L::any(mask) {
             return;
         }
         if D::VALUES {
             // Without the interval, which is settled.
             let pairs = Unpacked::new(ray, triangle, [zero; 2]);
-            let mut rows = [[L::Elem::from_f64(0.0); BLOCK]; 3];
-            values(&pairs, L::bits(mask), double::UNIT * W::DOUBLE, &mut rows);
+            let hit = values(&pairs, L::bits(mask), double::UNIT * W::DOUBLE);
             let token = ray.scale.token();
-            let [t, beta, gamma] = &rows;
-            let [t, beta, gamma] = [L::load(token, t), L::load(token, beta), L::load(token, gamma)];
-            found(mask, Hit { t, beta, gamma });
+            let (beta, gamma) = (L::load(token, &hit.beta), L::load(token, &hit.gamma));
+            found(mask, Hit { t: L::load(token, &hit.t), beta, gamma });
         } else {
             found(mask, Hit { t: zero, beta: zero, gamma: zero });
         }
@@ -171,12 +199,12 @@ impl<W: Width> Method for Exact<W> {
 
 /// Vectors of pairs, number by number and lane by lane.
 struct Unpacked<X> {
-    rows: [[X; BLOCK]; 17],
+    rows: [[X; BLOCK]; 18],
 }
 
 /// Writes the lanes of a vector to three rows.
 #[inline(always)]
-fn store<L: Lanes>(vector: Vec3<L>, rows: &mut [[L::Elem; BLOCK]; 17], row: usize) {
+fn store<L: Lanes>(vector: Vec3<L>, rows: &mut [[L::Elem; BLOCK]; 18], row: usize) {
     vector.x.store(&mut rows[row]);
     vector.y.store(&mut rows[row + 1]);
     vector.z.store(&mut rows[row + 2]);
@@ -189,8 +217,8 @@ impl<X: Scalar> Unpacked<X> {
         triangle: &Triangles<L>,
         [tmin, tmax]: [L; 2],
     ) -> Self {
-        let mut rows = [[X::from_f64(0.0); BLOCK]; 17];
-        let [a, b, c] = filter::corners(triangle);
+        let mut rows = [[X::from_f64(0.0); BLOCK]; 18];
+        let SizedTriangle { a, b, c, h } = *triangle;
         // One by one: a loop over the vectors would keep them in memory, in the loop around as well.
         store(ray.o, &mut rows, 0);
         store(ray.d, &mut rows, 3);
@@ -199,15 +227,16 @@ impl<X: Scalar> Unpacked<X> {
         store(c, &mut rows, 12);
         tmin.store(&mut rows[15]);
         tmax.store(&mut rows[16]);
+        h.store(&mut rows[17]);
         Self { rows }
     }
 
     /// One pair, in f64, which holds it exactly.
-    fn pair(&self, lane: usize) -> (Ray<f64>, Triangle<f64>) {
+    fn pair(&self, lane: usize) -> (Ray<f64>, SizedTriangle<f64>) {
         let number = |row: usize| self.rows[row][lane].to_f64();
         let vector = |row: usize| Vec3::new(number(row), number(row + 1), number(row + 2));
         let ray = Ray { o: vector(0), d: vector(3), tmin: number(15), tmax: number(16) };
-        (ray, Triangle { a: vector(6), b: vector(9), c: vector(12) })
+        (ray, SizedTriangle { a: vector(6), b: vector(9), c: vector(12), h: number(17) })
     }
 }
 
@@ -218,25 +247,32 @@ fn settle<X: Scalar>(pairs: &Unpacked<X>, open: u64, unit: f64, sides: &mut [X; 
     let precision = const { Precision::of_size(size_of::<X>()) };
     for lane in lanes_of(open) {
         let (ray, triangle) = pairs.pair(lane);
-        sides[lane] = X::from_f64(match ladder::outcome(precision, &ray, &triangle, unit) {
-            Outcome::Miss => 0.0,
-            Outcome::Front => 1.0,
-            Outcome::Back => -1.0,
-        });
+        sides[lane] =
+            X::from_f64(match ladder::outcome(precision, &ray, &triangle.corners(), unit) {
+                Outcome::Miss => 0.0,
+                Outcome::Front => 1.0,
+                Outcome::Back => -1.0,
+            });
     }
 }
 
-/// The values of the lanes that hit, each rounded once.
+/// The values of the lanes that hit, each rounded once. They are few: one after the other.
 #[inline(never)]
-fn values<X: Scalar>(pairs: &Unpacked<X>, hits: u64, unit: f64, rows: &mut [[X; BLOCK]; 3]) {
-    let precision = const { Precision::of_size(size_of::<X>()) };
+fn values<X: Scalar>(pairs: &Unpacked<X>, hits: u64, unit: f64) -> Hit<[X; BLOCK]> {
+    let zeros = [X::from_f64(0.0); BLOCK];
+    let mut all = Hit { t: zeros, beta: zeros, gamma: zeros };
     for lane in lanes_of(hits) {
-        let (ray, triangle) = pairs.pair(lane);
-        let values = ladder::values(precision, &ray, &triangle, unit);
-        rows[0][lane] = X::from_f64(values[0]);
-        rows[1][lane] = X::from_f64(values[1]);
-        rows[2][lane] = X::from_f64(values[2]);
+        let hit = ladder::values::<X, 1>(|_| pairs.pair(lane), 1, unit);
+        (all.t[lane], all.beta[lane], all.gamma[lane]) = (hit.t[0], hit.beta[0], hit.gamma[0]);
     }
+    all
+}
+
+/// A vector of many, in f64, which holds it exactly.
+#[inline(always)]
+fn lane_of<X: Scalar, const N: usize>(vectors: &Vec3<[X; N]>, lane: usize) -> Vec3<f64> {
+    let Vec3 { x, y, z } = vectors;
+    Vec3::new(x[lane].to_f64(), y[lane].to_f64(), z[lane].to_f64())
 }
 
 /// The places of the bits that are set, of the lanes of a block.

@@ -13,6 +13,13 @@ fn unit(vectors: &[Vec3<f64>]) -> i32 {
     numbers.filter(|x| *x != 0.0).map(|x| decode(x).1).min().unwrap_or(0)
 }
 
+/// Whether the coordinates of points are less than `2^bits` in multiples of the largest power of two that
+/// divides all of them.
+pub(crate) fn are_near(points: &[Vec3<f64>], bits: i32) -> bool {
+    let largest = power_of_two(bits) * power_of_two(unit(points));
+    points.iter().flat_map(|v| v.to_array()).all(|x| x.abs() < largest)
+}
+
 /// A vector in multiples of `2^unit`, which divides its coordinates.
 fn multiples<const LIMBS: usize>(v: Vec3<f64>, unit: i32) -> Vec3<Integer<LIMBS>> {
     v.map(|x| {

@@ -155,8 +155,7 @@ impl<M: Method> Bvh<M> {
         let Layout { nodes, blocks: members, depth, references } = layout;
         let (blocks, groups) = blocks::<M>(triangles, &members);
         let origin = Origin { builder, triangles: triangles.len(), left_out, references };
-        let places = places::<M>(triangles.len(), &members);
-        let mut bvh = Self { nodes, blocks, groups, places, depth, bounds, origin };
+        let mut bvh = Self { nodes, blocks, groups, depth, bounds, origin };
         if unit != 1.0 {
             // Boxes were rounded when they were scaled.
             bvh.bounds = fit_boxes(&mut bvh.nodes, triangles, &members);
@@ -217,22 +216,6 @@ fn blocks<M: Method>(triangles: &[Triangle<f32>], members: &[Members]) -> (Vec<B
     let groups =
         if M::GROUPS > 1 { members.iter().map(|members| members.group).collect() } else { vec![] };
     (blocks, groups)
-}
-
-/// A place of each of so many triangles in the blocks, where the method asks for it.
-fn places<M: Method>(triangles: usize, members: &[Members]) -> Vec<u32> {
-    if const { !M::INFO.claims.exact } {
-        return Vec::new();
-    }
-    let mut places = vec![0; triangles];
-    // Of the lanes of a triangle that fills up its block the first, which is the one that is hit.
-    for (block, members) in members.iter().enumerate() {
-        for (lane, &triangle) in members.triangles.iter().enumerate().rev() {
-            places[triangle as usize] =
-                u32::try_from(block * WIDTH + lane).expect("a place has as many bits as a leaf");
-        }
-    }
-    places
 }
 
 /// A tree without the method's data.

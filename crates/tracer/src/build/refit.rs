@@ -4,7 +4,7 @@ use trisect_core::{Method, Triangle, UnsuitableMesh};
 
 use super::corners::Corners;
 use super::emit::{self, Kinds, Members, PLACES};
-use super::{KindsOf, blocks, places};
+use super::{KindsOf, blocks};
 use crate::bounds::Bounds;
 use crate::bvh::{Block, Bvh, Child, Node, WIDTH, child, leaf};
 use crate::parallel::each;
@@ -57,7 +57,6 @@ impl<M: Method> Bvh<M> {
         let kinds = KindsOf::new::<M>(triangles)?;
         let members = self.members(kinds.kinds());
         (self.blocks, self.groups) = blocks::<M>(triangles, &members);
-        self.places = places::<M>(triangles.len(), &members);
         self.bounds = fit_boxes(&mut self.nodes, triangles, &members);
         Ok(())
     }

@@ -1,0 +1,179 @@
+//! What a leaf's triangles do to a ray's best hit where the method claims to be exact.
+//!
+//! On its way a ray knows of its best hit the triangle, and between which numbers `t` lies. That is mostly
+//! enough to tell which of two hits comes first, at a filter's cost and without branches. What is not told so
+//! is settled at once, exactly; and values are computed once, when the ray has arrived.
+
+use std::hint::select_unpredictable;
+
+use trisect_core::{
+    Culling, DecisionOnly, Deferred, Hit, Interval, Lanes, Method, Of, Ray, Record as _, Screened,
+    TrueDivision, Vec3,
+};
+
+use crate::bvh::{Bvh, WIDTH};
+use crate::hit::TriangleHit;
+use crate::rows::{RAYS, Rows, least};
+
+/// What a decision takes besides the triangle. Handed on by value: where a call might see the ray in memory,
+/// it would be put there for every leaf.
+pub(crate) struct Given<'a, M: Method> {
+    pub(crate) bvh: &'a Bvh<M>,
+    pub(crate) ray: Ray<f32>,
+    pub(crate) culling: Culling,
+}
+
+impl<M: Method> Clone for Given<'_, M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M: Method> Copy for Given<'_, M> {}
+
+/// The best hit of a ray on its way: the place of a triangle among all blocks, and between which numbers `t`
+/// lies. It ends the ray's interval where `t` is largest.
+#[inline(always)]
+fn on_its_way(place: u32, [low, high]: [f32; 2]) -> TriangleHit {
+    TriangleHit { triangle: place, hit: Hit { t: high, beta: low, gamma: 0.0 } }
+}
+
+/// The place of a lane of a block.
+#[allow(clippy::cast_possible_truncation, reason = "a tree has fewer blocks than 2²⁸")]
+#[inline(always)]
+fn place_of(block: usize, lane: usize) -> u32 {
+    (block * WIDTH + lane) as u32
+}
+
+/// Takes what comes before the best hit of the lanes of a block from `lane` on.
+#[inline(always)]
+pub(crate) fn take<M: Method, L: Lanes<Elem = f32>>(
+    given: Given<'_, M>,
+    block: usize,
+    lane: usize,
+    screened: Screened<L>,
+    best: &mut TriangleHit,
+) {
+    let Screened { certain, open, low, high } = screened;
+    let certain_high = L::select(certain, high, high.constant(f32::INFINITY));
+    let first_high = least(certain_high);
+    let bits = L::bits(certain);
+    let first = (bits & L::bits(certain_high.le(high.constant(first_high)))).trailing_zeros();
+    let first = first as usize % WIDTH;
+    let mut lows = [0.0; WIDTH];
+    low.store(&mut lows);
+    let (best_low, best_high) = (best.hit.beta, best.hit.t);
+    let is_before = first_high < best_low;
+    // All that may come before, or at the same point.
+    let end = select_unpredictable(is_before, first_high, best_high);
+    let near = (bits | open) & L::bits(low.le(low.constant(end)));
+    if near != u64::from(is_before) << first {
+        settle(given, block, near << lane, best);
+        return;
+    }
+    let place = place_of(block, lane + first);
+    best.triangle = select_unpredictable(is_before, place, best.triangle);
+    best.hit.t = end;
+    best.hit.beta = select_unpredictable(is_before, lows[first], best_low);
+}
+
+/// Takes the first of some lanes of a block, where it comes before the best hit: decides and orders exactly.
+#[cold]
+#[inline(never)]
+fn settle<M: Method>(given: Given<'_, M>, block: usize, near: u64, best: &mut TriangleHit) {
+    let Given { bvh, ref ray, .. } = given;
+    let known = best.is_hit().then(|| bvh.triangle(best.triangle));
+    let mut first = None;
+    for lane in (0..WIDTH).filter(|lane| near >> lane & 1 != 0) {
+        let place = place_of(block, lane);
+        let triangle = bvh.triangle(place);
+        let prepared = bvh.prepared(place);
+        // Where space is split a triangle is met in several leaves.
+        if known == Some(triangle) || !is_hit(&given, &prepared) {
+            continue;
+        }
+        let (first_place, first) =
+            first.get_or_insert_with(|| (best.triangle, arrived(bvh, ray, best)));
+        let other = TriangleHit { triangle, hit: values::<M>(ray, &prepared) };
+        if first.improve_by(other, || M::order(ray, &prepared, &bvh.prepared(*first_place))) {
+            *first_place = place;
+        }
+    }
+    if let Some((place, TriangleHit { hit: Hit { t, .. }, .. })) = first {
+        // It was rounded once, and its ends are.
+        let rounding = t.abs().mul_add(2.0 * f32::EPSILON, f32::MIN_POSITIVE);
+        *best = on_its_way(place, [t - rounding, t + rounding]);
+    }
+}
+
+/// Whether a ray hits a triangle.
+fn is_hit<M: Method>(given: &Given<'_, M>, prepared: &Of<M::Prepared, f32>) -> bool {
+    let Given { ref ray, culling, .. } = *given;
+    let interval = Interval { tmin: ray.tmin, tmax: ray.tmax };
+    let ray = M::prepare_ray::<f32>(ray, 0);
+    let mut is_hit = false;
+    M::test::<f32, DecisionOnly<Deferred<TrueDivision, true>>>(
+        &ray,
+        prepared,
+        interval,
+        culling,
+        |met, _| is_hit = met,
+    );
+    is_hit
+}
+
+/// The best hit of a ray that has arrived, with its number and its values.
+pub(crate) fn arrived<M: Method>(bvh: &Bvh<M>, ray: &Ray<f32>, best: &TriangleHit) -> TriangleHit {
+    if !best.is_hit() {
+        return *best;
+    }
+    let place = best.triangle;
+    TriangleHit { triangle: bvh.triangle(place), hit: values::<M>(ray, &bvh.prepared(place)) }
+}
+
+/// The values of one hit.
+fn values<M: Method>(ray: &Ray<f32>, prepared: &Of<M::Prepared, f32>) -> Hit<f32> {
+    let rays = ray.map(|&x| [x]);
+    let Hit { t: [t], beta: [beta], gamma: [gamma] } =
+        M::values(&rays, &M::Prepared::map(prepared, |&x| [x]), 1);
+    Hit { t, beta, gamma }
+}
+
+/// Computes the values of rays that have arrived, all at once: what is brought together number by number
+/// can be read by lanes only when it has been written for a while.
+#[inline(always)]
+pub(crate) fn arrive<M: Method>(bvh: &Bvh<M>, rows: &mut Rows) {
+    let (mut places, mut count) = ([0; RAYS], 0);
+    for place in 0..RAYS {
+        places[count % RAYS] = place;
+        count += usize::from(rows.best[place].is_hit());
+    }
+    if count == 0 {
+        return;
+    }
+    let zeros = Vec3::new([0.0; RAYS], [0.0; RAYS], [0.0; RAYS]);
+    let mut rays = Ray { o: zeros, d: zeros, tmin: [0.0; RAYS], tmax: [0.0; RAYS] };
+    let mut triangles = M::Prepared::map(
+        &bvh.prepared(rows.best[places[0] % RAYS].triangle),
+        #[inline(always)]
+        |&x| [x; RAYS],
+    );
+    for at in 0..count {
+        let place = places[at % RAYS] % RAYS;
+        let Ray { o, d, .. } = rows.ray(place);
+        (rays.o.x[at % RAYS], rays.o.y[at % RAYS], rays.o.z[at % RAYS]) = (o.x, o.y, o.z);
+        (rays.d.x[at % RAYS], rays.d.y[at % RAYS], rays.d.z[at % RAYS]) = (d.x, d.y, d.z);
+        M::Prepared::zip(
+            &mut triangles,
+            &bvh.prepared(rows.best[place].triangle),
+            #[inline(always)]
+            |row: &mut [f32; RAYS], &x| row[at % RAYS] = x,
+        );
+    }
+    let found = M::values(&rays, &triangles, count);
+    for at in 0..count {
+        let (t, beta, gamma) = (found.t[at % RAYS], found.beta[at % RAYS], found.gamma[at % RAYS]);
+        let best = &mut rows.best[places[at % RAYS] % RAYS];
+        *best = TriangleHit { triangle: bvh.triangle(best.triangle), hit: Hit { t, beta, gamma } };
+    }
+}
