@@ -105,7 +105,7 @@ impl ExactnessSummary {
     }
 }
 
-const HEAD: [&str; 7] = ["scenes", "", "tests", "wrong", "values", "rays", "wrong first"];
+const HEAD: [&str; 7] = ["scenes", "precision", "tests", "wrong", "values", "rays", "wrong first"];
 
 fn cells(row: &ExactnessRow) -> Vec<String> {
     let ExactCounts { tests, wrong, wrong_values, rays, wrong_closest } = row.counts;

@@ -161,6 +161,12 @@ fn drawing(view: &View, panels: Vec<Panel>) -> Result<Drawing, String> {
                     stress`."
             .into());
     }
+    if panels.is_empty() {
+        return Err(format!(
+            "Left out: the record has no `{BASELINE}`, whose difficulties are drawn; add it to \
+             `--methods`."
+        ));
+    }
     Ok(Drawing { panels, legend: legend(view), key: Vec::new() })
 }
 
