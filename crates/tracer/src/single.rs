@@ -85,16 +85,20 @@ impl<'a> Flight<'a> {
     /// The child to visit next, the nearest first; nothing where the ray has arrived.
     #[inline(always)]
     fn nearest(&mut self, rows: &Rows) -> Option<u32> {
-        if self.met != 0 {
+        if self.met & self.met.wrapping_sub(1) != 0 {
             return Some(descend(&mut self.waiting, self.node, self.met, &self.distances));
         }
-        // What begins behind the best hit is not worth a visit any more.
-        loop {
-            let item = self.waiting.pop()?;
-            if waiting::distance(item) <= rows.tmax(self.place) {
-                return Some(waiting::place(item));
-            }
+        if self.met == 0 && self.waiting.count() == 0 {
+            return None;
         }
+        // One child, or none, so what waits on top: without a branch, as neither can be foretold.
+        let only = item(self.node, &self.distances, lowest(self.met));
+        let mut item = self.waiting.pop_unless(self.met != 0, only);
+        // What begins behind the best hit is not worth a visit any more.
+        while waiting::distance(item) > rows.tmax(self.place) {
+            item = self.waiting.pop()?;
+        }
+        Some(waiting::place(item))
     }
 
     /// The same where any order will do: that of the lanes, see the builder. All children that are left
