@@ -24,18 +24,18 @@ const fn in_flight(any: bool) -> usize {
 }
 
 /// A ray under way. Aligned, so that no vector of it is in two cache lines.
-#[repr(align(64))]
+#[repr(C, align(64))]
 struct Flight<'a> {
+    /// Where it meets the children of the node that was visited last.
+    distances: [f32; WIDTH],
+    /// Those that it meets, in bits. They are looked at when it is the ray's turn again: by then they are
+    /// known, and a branch on them that was predicted wrongly costs little.
+    met: u64,
     /// Its place.
     place: usize,
-    /// The node that was visited last.
     node: &'a Node,
-    /// The place of that node, where any hit will do.
+    /// The place of the node, where any hit will do.
     number: usize,
-    /// Its children that the ray meets, in bits, and where. They are looked at when it is the ray's
-    /// turn again: by then they are known, and a branch on them that was predicted wrongly costs little.
-    met: u64,
-    distances: [f32; WIDTH],
     waiting: Stack<'a, Waiting>,
 }
 
