@@ -2,7 +2,7 @@
 
 use std::hint::select_unpredictable;
 
-use trisect_core::{Culling, Lanes, Method, Ray};
+use trisect_core::{Culling, Lanes, Method, Ray, Token as _};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
 use crate::exactly::{Given, arrive};
@@ -11,23 +11,32 @@ use crate::leaf::{end, test_leaf};
 use crate::rows::{RAYS, Rows};
 use crate::waiting::{self, Stack};
 
-/// A child that waits to be visited: the [`key`](waiting::key) of its number.
+/// What waits to be visited: a child, as the [`key`](waiting::key) of its number; where any hit will do,
+/// a node's number and above it, in bits, those of its children that are left.
 type Waiting = u64;
 
-/// Rays that are on their way at the same time: while one waits for the outcome of its last test, the
-/// other goes on. More gained nothing where it was tried.
-const IN_FLIGHT: usize = 2;
+/// Rays that are on their way at the same time, at most: while one waits for the outcome of its last
+/// test, the others go on.
+const MOST_IN_FLIGHT: usize = 4;
 
-/// A ray under way.
+/// How many: more lost where it was tried.
+const fn in_flight(any: bool) -> usize {
+    if any { MOST_IN_FLIGHT } else { 3 }
+}
+
+/// A ray under way. Aligned, so that no vector of it is in two cache lines.
+#[repr(C, align(64))]
 struct Flight<'a> {
+    /// Where it meets the children of the node that was visited last.
+    distances: [f32; WIDTH],
+    /// Those that it meets, in bits. They are looked at when it is the ray's turn again: by then they are
+    /// known, and a branch on them that was predicted wrongly costs little.
+    met: u64,
     /// Its place.
     place: usize,
-    /// The node that was visited last.
     node: &'a Node,
-    /// Its children that the ray meets, in bits, and where. They are looked at when it is the ray's
-    /// turn again: by then they are known, and a branch on them that was predicted wrongly costs little.
-    met: u64,
-    distances: [f32; WIDTH],
+    /// The place of the node, where any hit will do.
+    number: usize,
     waiting: Stack<'a, Waiting>,
 }
 
@@ -47,6 +56,7 @@ impl<'a> Flight<'a> {
         self.place = left.trailing_zeros() as usize;
         *left &= *left - 1;
         self.waiting.clear();
+        self.number = 0;
         self.visit::<L, ROBUST>(token, rows, root);
         true
     }
@@ -73,6 +83,43 @@ impl<'a> Flight<'a> {
         }
     }
 
+    /// The child to visit next, the nearest first; nothing where the ray has arrived.
+    #[inline(always)]
+    fn nearest(&mut self, rows: &Rows) -> Option<u32> {
+        if self.met & self.met.wrapping_sub(1) != 0 {
+            return Some(descend(&mut self.waiting, self.node, self.met, &self.distances));
+        }
+        if self.met == 0 && self.waiting.count() == 0 {
+            return None;
+        }
+        // One child, or none, so what waits on top: without a branch, as neither can be foretold.
+        let only = item(self.node, &self.distances, lowest(self.met));
+        let mut item = self.waiting.pop_unless(self.met != 0, only);
+        // What begins behind the best hit is not worth a visit any more.
+        while waiting::distance(item) > rows.tmax(self.place) {
+            item = self.waiting.pop()?;
+        }
+        Some(waiting::place(item))
+    }
+
+    /// The same where any order will do: that of the lanes, see the builder. All children that are left
+    /// of a node wait as one item, so that how many there are makes no branch, which could not be
+    /// foretold.
+    #[inline(always)]
+    fn next(&mut self, nodes: &[Node]) -> Option<u32> {
+        if self.met == 0 && self.waiting.count() == 0 {
+            return None;
+        }
+        let here = self.met << 32 | self.number as u64;
+        let item = self.waiting.pop_unless(self.met != 0, here);
+        let (met, number) = (item >> 32, item & u64::from(u32::MAX));
+        let rest = met & met.wrapping_sub(1);
+        self.waiting.push_if(rest != 0, rest << 32 | number);
+        #[allow(clippy::cast_possible_truncation, reason = "it has 32 bits")]
+        let node = &nodes[number as usize];
+        Some(node.children[lowest(met)])
+    }
+
     /// Visits a node or a leaf; whether the ray has arrived.
     #[inline(always)]
     fn step<M, L, const ANY: bool, const ROBUST: bool>(
@@ -86,19 +133,15 @@ impl<'a> Flight<'a> {
         M: Method,
         L: Lanes<Elem = f32>,
     {
-        let current = if self.met != 0 {
-            descend::<ANY>(&mut self.waiting, self.node, self.met, &self.distances)
-        } else {
-            // What begins behind the best hit is not worth a visit any more.
-            loop {
-                let Some(item) = self.waiting.pop() else { return true };
-                if ANY || waiting::distance(item) <= rows.tmax(self.place) {
-                    break waiting::place(item);
-                }
-            }
-        };
+        let next = if ANY { self.next(&bvh.nodes) } else { self.nearest(rows) };
+        let Some(current) = next else { return true };
         match child(current) {
-            Child::Node(at) => self.visit::<L, ROBUST>(token, rows, &bvh.nodes[at]),
+            Child::Node(at) => {
+                if ANY {
+                    self.number = at;
+                }
+                self.visit::<L, ROBUST>(token, rows, &bvh.nodes[at]);
+            }
             Child::Leaf(first, count) => {
                 self.met = 0;
                 let blocks = first..first + count;
@@ -132,35 +175,40 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
     let root = &bvh.nodes[0];
     let mut rows = Rows::EMPTY;
     let room = waiting::room(bvh.depth);
-    let mut items = vec![0; room * IN_FLIGHT];
+    let mut items = vec![0; room * MOST_IN_FLIGHT];
     let mut parts = items.chunks_exact_mut(room);
-    let mut flights: [Flight<'_>; IN_FLIGHT] = std::array::from_fn(|_| Flight {
+    let mut flights: [Flight<'_>; MOST_IN_FLIGHT] = std::array::from_fn(|_| Flight {
         place: 0,
         node: root,
+        number: 0,
         met: 0,
         distances: [0.0; WIDTH],
         waiting: Stack::new(parts.next().expect("each has its room")),
     });
     for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
-        let mut left = rows.fill::<L, ROBUST>(token, rays.iter());
+        let mut left = take_in::<L, ROBUST>(&mut rows, token, rays);
         let mut count = 0;
-        while count < IN_FLIGHT && flights[count].launch::<L, ROBUST>(token, &rows, root, &mut left)
+        while count < const { in_flight(ANY) }
+            && flights[count].launch::<L, ROBUST>(token, &rows, root, &mut left)
         {
             count += 1;
         }
-        // Whose turn it is next: the other's, but when one is left.
-        let (mut at, mut other) = (0, count / IN_FLIGHT);
+        let mut at = 0;
         while count > 0 {
-            let flight = &mut flights[at % IN_FLIGHT];
+            let flight = &mut flights[at % MOST_IN_FLIGHT];
             if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, &mut rows)
                 && !flight.launch::<L, ROBUST>(token, &rows, root, &mut left)
             {
                 count -= 1;
-                at ^= other;
-                other = 0;
+                // The last one takes its place, and its turn.
+                flights.swap(at % MOST_IN_FLIGHT, count % MOST_IN_FLIGHT);
+                if at == count {
+                    at = 0;
+                }
                 continue;
             }
-            at ^= other;
+            at += 1;
+            at = select_unpredictable(at == count, 0, at);
         }
         if const { M::INFO.claims.exact && !ANY } {
             arrive(bvh, &mut rows);
@@ -171,10 +219,24 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
     }
 }
 
-/// The child to visit next, of those that are met: the nearest, or any where that is all the same. The
-/// others wait, the nearer above the farther.
+/// Takes rays in. Out of line: or the constants that it needs take registers, and loads at every step,
+/// from the way through the tree.
+#[inline(never)]
+fn take_in<L: Lanes<Elem = f32>, const ROBUST: bool>(
+    rows: &mut Rows,
+    token: L::Token,
+    rays: &[Ray<f32>],
+) -> u64 {
+    token.run(
+        #[inline(always)]
+        || rows.fill::<L, ROBUST>(token, rays.iter()),
+    )
+}
+
+/// The child to visit next, the nearest of those that are met. The others wait, the nearer above the
+/// farther.
 #[inline(always)]
-pub(crate) fn descend<const ANY: bool>(
+pub(crate) fn descend(
     waiting: &mut Stack<'_, Waiting>,
     node: &Node,
     mut met: u64,
@@ -183,15 +245,6 @@ pub(crate) fn descend<const ANY: bool>(
     let first = lowest(met);
     met &= met - 1;
     if met == 0 {
-        return node.children[first];
-    }
-    if ANY {
-        // In the order of the lanes: see the builder.
-        while met != 0 {
-            let last = met.ilog2() as usize % WIDTH;
-            waiting.push(u64::from(node.children[last]));
-            met ^= 1 << last;
-        }
         return node.children[first];
     }
     // Two or three mostly, which is as hard to foretell as their order: so without branches.

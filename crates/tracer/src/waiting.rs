@@ -1,5 +1,7 @@
 //! What waits to be visited on the way down, the nearer above the farther.
 
+use std::hint::select_unpredictable;
+
 use crate::bvh::WIDTH;
 
 /// A place with its distance in front, so that numbers are in the order of distances: of those that are
@@ -77,6 +79,17 @@ impl<'a, T: Copy> Stack<'a, T> {
         }
         self.items[place & mask] = item;
         self.count += 1;
+    }
+
+    /// Pops the topmost item, or gives that one back instead, without a branch. Something waits, or is
+    /// given.
+    #[inline(always)]
+    pub(crate) fn pop_unless(&mut self, is_given: bool, given: T) -> T {
+        let mask = self.items.len() - 1;
+        let below = self.count.wrapping_sub(1);
+        let top = self.items[below & mask];
+        self.count = select_unpredictable(is_given, self.count, below);
+        select_unpredictable(is_given, given, top)
     }
 
     #[inline(always)]

@@ -60,7 +60,7 @@ fn walk(
             if met == 0 {
                 break;
             }
-            current = descend::<false>(&mut waiting, node, met, &distances);
+            current = descend(&mut waiting, node, met, &distances);
         }
         if let Child::Leaf(first, count) = child(current) {
             tmax = leaf(first..first + count);
