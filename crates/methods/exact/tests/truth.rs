@@ -1,10 +1,10 @@
 //! Every decision and every value against the oracle, on every width and instruction set, plain and
-//! fused, and in both arrangements.
+//! fused, and in both arrangements; and what a screen says of pairs.
 
 use trisect_core::{
     BLOCK, Culling, Deferred, Float, Hit, Interval, Lanes, LanesVisitor, Method, PADDING, Packets,
-    Precision, PreparedTriangles, Ray, Scalar, Token, Triangle, TrueDivision, Vec3, one_ray,
-    one_triangle,
+    Precision, PreparedTriangles, Ray, Record as _, Scalar, Screened, Token, Triangle,
+    TrueDivision, Vec3, one_ray, one_triangle, rows,
 };
 use trisect_exact::{Exact, Width};
 use trisect_oracle::Oracle;
@@ -55,6 +55,7 @@ struct Wrong<'a, M, E: Precision> {
     scene: &'a Scene<E>,
     tests: u64,
     misjudged: u64,
+    misscreened: u64,
     first: Option<String>,
     method: core::marker::PhantomData<M>,
 }
@@ -149,20 +150,85 @@ impl<M: Method, E: Precision> LanesVisitor for Wrong<'_, M, E> {
             },
         );
         self.judge(&answers, &format!("one triangle, {name}"));
+        for (number, ray) in rays.iter().enumerate() {
+            for first in (0..SIDE).step_by(L::N) {
+                let screens = token.run(
+                    #[inline(always)]
+                    || screen::<M, L>(token, ray, &triangles[first..]),
+                );
+                let lanes = L::N.min(SIDE - first);
+                for (lane, said) in screens.into_iter().enumerate().take(lanes) {
+                    let truth = self.scene.truth[number * SIDE + first + lane];
+                    self.tests += 1;
+                    if !holds(said, truth.map(|bits| f64::from_bits(bits[0]))) {
+                        self.misscreened += 1;
+                        let triangle = &triangles[first + lane];
+                        self.first.get_or_insert_with(|| {
+                            format!("screen, {name}: {ray:?} {triangle:?} {said:?}, {truth:?}")
+                        });
+                    }
+                }
+            }
+        }
     }
 }
 
-/// Tests, wrong answers, and the first of them.
-fn run<M: Method, E: Precision>(scene: &Scene<E>) -> (u64, u64, Option<String>) {
+/// What a screen says of a lane: whether it is certain to hit, and between which numbers `t` lies; nothing
+/// for a certain miss.
+type Said = Option<(bool, f64, f64)>;
+
+/// Screens a ray and triangles, one for each lane; where there are fewer the last comes again.
+#[inline(always)]
+fn screen<M: Method, L: Lanes>(
+    token: L::Token,
+    ray: &Ray<L::Elem>,
+    triangles: &[Triangle<L::Elem>],
+) -> [Said; BLOCK] {
+    let prepared = rows::<M::Prepared, L::Elem, BLOCK>(|lane| {
+        M::prepare(&triangles[lane.min(triangles.len() - 1)].or_nothing(), 0)
+    });
+    let prepared = M::Prepared::map(&prepared, |row| L::load(token, row));
+    let ray = ray.map(|&x| L::splat(token, x));
+    let mut said = [None; BLOCK];
+    M::screen(
+        &M::prepare_ray(&ray, 0),
+        &prepared,
+        Interval::of(&ray),
+        Culling::None,
+        |Screened { certain, open, low, high }| {
+            let mut ends = [[L::Elem::from_f64(0.0); BLOCK]; 2];
+            low.store(&mut ends[0]);
+            high.store(&mut ends[1]);
+            let certain = L::bits(certain);
+            for lane in (0..L::N).filter(|lane| (certain | open) >> lane & 1 == 1) {
+                let [low, high] = [ends[0][lane].to_f64(), ends[1][lane].to_f64()];
+                said[lane] = Some((certain >> lane & 1 == 1, low, high));
+            }
+        },
+    );
+    said
+}
+
+/// Whether what a screen says is so of a pair with that `t`, or that misses.
+fn holds(said: Said, truth: Option<f64>) -> bool {
+    match (said, truth) {
+        // Rounding keeps the order of numbers, of which the ends are two.
+        (Some((_, low, high)), Some(t)) => low <= t && t <= high,
+        (Some((is_certain, ..)), None) => !is_certain,
+        (None, truth) => truth.is_none(),
+    }
+}
+
+fn run<M: Method, E: Precision>(scene: &Scene<E>) -> Wrong<'_, M, E> {
     let method = core::marker::PhantomData;
-    let mut wrong = Wrong::<M, E> { scene, tests: 0, misjudged: 0, first: None, method };
+    let mut wrong = Wrong { scene, tests: 0, misjudged: 0, misscreened: 0, first: None, method };
     E::visit_all(&mut wrong);
-    (wrong.tests, wrong.misjudged, wrong.first)
+    wrong
 }
 
 fn is_right<E: Precision>(scene: &Scene<E>, what: &str) -> u64 {
-    let (tests, wrong, first) = run::<Exact, E>(scene);
-    assert_eq!(wrong, 0, "{what}: {first:?}");
+    let Wrong { tests, misjudged, misscreened, first, .. } = run::<Exact, E>(scene);
+    assert_eq!((misjudged, misscreened), (0, 0), "{what}: {first:?}");
     tests
 }
 
@@ -304,17 +370,20 @@ impl Width for NarrowDouble {
     const DOUBLE: f64 = 0.1;
 }
 
-fn wrong_answers<W: Width, E: Precision>() -> u64
+/// Answers and screens that are wrong.
+fn wrong_answers<W: Width, E: Precision>() -> [u64; 2]
 where
     Exact<W>: Method,
 {
     let families = [Stress::NearEdge, Stress::NearVertex, Stress::IntervalEnd, Stress::AxisAligned];
-    let mut wrong = 0;
+    let mut wrong = [0, 0];
     for family in families {
         for level in family.levels::<E>() {
             for seed in 0..4 {
                 let scene = Scene::<E>::stressed(family, level, seed);
-                wrong += run::<Exact<W>, E>(&scene).1;
+                let Wrong { misjudged, misscreened, .. } = run::<Exact<W>, E>(&scene);
+                wrong[0] += misjudged;
+                wrong[1] += misscreened;
             }
         }
     }
@@ -325,9 +394,10 @@ where
 /// filter's bounds is shown beside them.)
 #[test]
 fn narrower_bounds_are_too_little() {
-    let [filter, double] =
-        [wrong_answers::<NarrowFilter, f32>(), wrong_answers::<NarrowDouble, f64>()];
-    println!("filter {filter}, double {double}");
+    let [filter, screens] = wrong_answers::<NarrowFilter, f32>();
+    let [double, _] = wrong_answers::<NarrowDouble, f64>();
+    println!("filter {filter}, screens {screens}, double {double}");
     assert!(filter > 0, "the filter's bound could be a two-hundredth");
+    assert!(screens > 0, "and those of where t is");
     assert!(double > 0, "the bound of f64 could be a tenth");
 }
