@@ -76,8 +76,8 @@ impl Report {
         let Explanation { shapes, varying, lights, onward, .. } = self.found;
         match part {
             "shapes" => {
-                let [spheres, planes, carried] = shapes;
-                format!("spheres {spheres}, planes {planes}, instances {carried}")
+                let [spheres, planes, carried, trees] = shapes;
+                format!("spheres {spheres}, planes {planes}, instances {carried}, trees {trees}")
             }
             "varying" => {
                 let [textured, interpolated] = varying;

@@ -29,8 +29,8 @@ pub struct Omission {
 /// What was found about a scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Explanation {
-    /// Spheres, planes, and places of meshes that rays are carried to.
-    pub shapes: [usize; 3],
+    /// Spheres, planes, and places: of meshes that rays are carried to, and of trees.
+    pub shapes: [usize; 4],
     /// Materials with a texture, and triangles with interpolated normals.
     pub varying: [usize; 2],
     /// Lights.
@@ -132,11 +132,12 @@ pub fn explain(
             None => omissions.push(measured),
         }
     }
-    let Facts { spheres, planes, carried, interpolated, textured, lights, mirrors, clear } = facts;
+    let Facts { spheres, planes, carried, trees, .. } = facts;
+    let Facts { interpolated, textured, lights, mirrors, clear, .. } = facts;
     let mut samples = own.samples_ns.clone();
     samples.sort_unstable();
     Ok(Explanation {
-        shapes: [spheres, planes, carried],
+        shapes: [spheres, planes, carried, trees],
         varying: [textured, interpolated],
         lights: lights.min(settings.lights),
         onward: [mirrors, clear],
