@@ -224,7 +224,8 @@ impl Job for Drawing<'_, '_> {
 }
 
 impl Stage {
-    /// Draws a tile after Whitted.
+    /// Draws a tile after Whitted. Out of line, so that the program says how much code that is.
+    #[inline(never)]
     fn draw<N: Needs>(
         &self,
         settings: &Settings,
@@ -271,7 +272,8 @@ impl Stage {
         }
     }
 
-    /// Draws one path for each pixel of a tile.
+    /// Draws one path for each pixel of a tile; out of line likewise.
+    #[inline(never)]
     fn draw_paths(
         &self,
         settings: &Settings,
