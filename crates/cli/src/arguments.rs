@@ -50,6 +50,8 @@ pub(crate) enum Verb {
     Explain(Explain),
     /// Study how fast pictures of the mirror scene are, and draw one of every feature
     Pictures(Pictures),
+    /// Study what it would take to keep what nobody asks for
+    Omissions(Omissions),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -260,6 +262,32 @@ pub(crate) struct Pictures {
     pub json: bool,
 }
 
+/// Study what it would take to keep what nobody asks for: values in kernels; values and guarantees in the
+/// tracer; in pictures, what their scenes do not need. The same work goes in turn with it and without.
+///
+/// Prints a table, and adds the page omissions.html and the record omissions.jsonl to a report.
+#[derive(Debug, Args)]
+pub(crate) struct Omissions {
+    /// Methods whose kernels are timed, separated by commas; all if left out
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub methods: Vec<String>,
+    /// Seed of every random choice
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Fewer rays, pixels and samples: half a minute instead of three
+    #[arg(long)]
+    pub quick: bool,
+    /// Divide the sides of all pictures, and the number of tests, for a trial
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
+    pub shrink: u32,
+    /// Folder of the report that the page is added to
+    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
+    pub output: PathBuf,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// A count, in digits or as `1e9`.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole and in range")]
 fn count(text: &str) -> Result<u64, String> {
@@ -368,7 +396,10 @@ pub(crate) struct Explain {
     /// Pictures of each kind
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: u32,
-    /// Seed of the order of pictures
+    /// Seconds that kernels race on the scene's own triangles and its camera's rays; 0 for no race
+    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = seconds)]
+    pub seconds: f64,
+    /// Seed of the order of pictures, and of the choice of rays
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Threads

@@ -1,10 +1,13 @@
 //! `trisect explain`: what a scene needs, and what is left out for it.
 
 use std::io::Write;
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow};
 use serde::Serialize;
-use trisect_harness::{Explanation, Omission};
+use trisect_core::{Output, Triangle};
+use trisect_harness::{Candidate, Explanation, Omission, RecommendSettings};
 use trisect_render::{Settings, Stage};
 use trisect_scene::Scene;
 
@@ -28,6 +31,8 @@ struct Report {
     instruction_set: &'static str,
     lanes: usize,
     builder: &'static str,
+    /// The methods whose kernels are the fastest at leaves like the scene's, none where there was no race.
+    fastest: Vec<Candidate>,
     #[serde(flatten)]
     found: Explanation,
 }
@@ -44,12 +49,22 @@ pub(crate) fn run(arguments: &Explain) -> Result<()> {
         .num_threads(usize::from(arguments.threads))
         .build()
         .context("the system gives no threads; ask for fewer with --threads")?;
+    // Of each tree.
+    let triangles = Mutex::new(Vec::new());
     let stage = pool
-        .install(|| Stage::new(scene, |triangles| (entry.tree)(triangles, arguments.builder)))
+        .install(|| {
+            Stage::new(scene, |of_tree| {
+                let mut triangles = triangles.lock().unwrap_or_else(PoisonError::into_inner);
+                triangles.push(of_tree.to_vec());
+                (entry.tree)(of_tree, arguments.builder)
+            })
+        })
         .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.scene.display()))?;
     let mut bar = Bar::new();
     let rounds = (arguments.rounds as usize, arguments.seed);
     let found = trisect_harness::explain(&stage, &settings, rounds, &pool, &mut bar)?;
+    let triangles = triangles.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let fastest = fastest(arguments, &settings, &stage, &triangles, &mut bar)?;
     drop(bar);
     let (instruction_set, lanes) = trisect_catalog::fast_lanes();
     let report = Report {
@@ -65,19 +80,91 @@ pub(crate) fn run(arguments: &Explain) -> Result<()> {
         instruction_set: instruction_set.name(),
         lanes,
         builder: arguments.builder.name(),
+        fastest,
         found,
     };
     output::print_as(arguments.json, &report, |out| report.print(out))
 }
 
+/// Pixels across and down whose rays kernels race on.
+const LOOKS: u32 = 48;
+
+/// Races the kernels that a tracer may call on the largest tree's triangles and the rays of the camera that
+/// come to it; the best of each method, the fastest first.
+fn fastest(
+    arguments: &Explain,
+    settings: &Settings,
+    stage: &Stage,
+    triangles: &[Vec<Triangle<f32>>],
+    bar: &mut Bar,
+) -> Result<Vec<Candidate>> {
+    let largest = (0..triangles.len()).max_by_key(|&tree| triangles[tree].len());
+    let Some(largest) = largest.filter(|_| arguments.seconds > 0.0) else { return Ok(Vec::new()) };
+    let [width, height] = settings.size;
+    let mut rays = Vec::new();
+    for (x, y) in (0..LOOKS).flat_map(|y| (0..LOOKS).map(move |x| (x, y))) {
+        let ray = stage.primary(settings, [x * width / LOOKS, y * height / LOOKS]);
+        let sights = stage.sights(ray).filter(|sight| sight.number == largest);
+        rays.extend(sights.map(|sight| sight.ray));
+    }
+    if rays.is_empty() {
+        return Ok(Vec::new());
+    }
+    let settings = RecommendSettings {
+        seed: arguments.seed,
+        needs: Output::T,
+        max_error: None,
+        watertight: false,
+        in_tracer: true,
+        time: Duration::from_secs_f64(arguments.seconds),
+        exhaustive: false,
+    };
+    let found = trisect_harness::recommend(&settings, &triangles[largest], &rays, bar)?;
+    let mut fastest: Vec<Candidate> = Vec::new();
+    for candidate in found.ranking {
+        if fastest.iter().all(|other| other.variant.method != candidate.variant.method) {
+            fastest.push(candidate);
+        }
+    }
+    Ok(fastest)
+}
+
+/// A share in percent, with a digit behind the point where that says anything.
+fn percent(share: f64) -> String {
+    if share.abs() < 1.0 {
+        format!("{:+.1}", share * 100.0)
+    } else {
+        format!("{:+.0}", share * 100.0)
+    }
+}
+
 impl Report {
+    /// Which kernel is the fastest on the scene's own triangles and rays, and how far the one in use is
+    /// behind it, on a line each.
+    fn kernel(&self) -> [String; 2] {
+        let Some(best) = self.fastest.first() else {
+            return ["not raced".to_owned(), "see --seconds".to_owned()];
+        };
+        let Candidate { variant, ns_per_test, .. } = best;
+        let first = format!("{}, {}: the fastest, without trees", variant.method, variant.division);
+        let own = self.fastest.iter().find(|other| other.variant.method == self.method);
+        let second = own.map_or_else(
+            || format!("{} is not among the {} fastest", self.method, self.fastest.len()),
+            |own| {
+                let behind = (own.ns_per_test / ns_per_test - 1.0) * 100.0;
+                format!("{} is {behind:.0} % behind", self.method)
+            },
+        );
+        [first, second]
+    }
+
     /// What there is in the scene of a part of the renderer.
     fn there_is(&self, part: &str) -> String {
         let Explanation { shapes, varying, lights, onward, .. } = self.found;
         match part {
             "shapes" => {
-                let [spheres, planes, carried] = shapes;
-                format!("spheres {spheres}, planes {planes}, instances {carried}")
+                let [spheres, planes, carried, trees] = shapes;
+                format!("spheres {spheres}, planes {planes}, instances {carried}, trees {trees}")
             }
             "varying" => {
                 let [textured, interpolated] = varying;
@@ -90,28 +177,38 @@ impl Report {
     }
 
     fn print(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        let why = match self.builder {
+            "linear" => "the quickest to build",
+            "spatial" => "the fastest to trace",
+            _ => "between the quickest to build and the fastest to trace",
+        };
+        let [kernel, behind] = self.kernel();
         writeln!(
             out,
             "{}\n\
-             trees    {}, with {} triangles, by the {} builder\n\
+             trees    {}, with {} triangles, by the {} builder, {}\n\
              method   {}, unless another is asked for with --method\n\
              lanes    {} of f32 on {}, the best for eight triangles here\n\
-             division {}, as a leaf has it; shadow rays get no t, no barycentrics\n\n\
+             division {}, as a leaf has it; shadow rays get no t, no barycentrics\n\
+             kernel   {}\n         {}\n\n\
              part        in the scene                             costs\n",
             self.scene,
             self.trees,
             self.triangles,
             self.builder,
+            why,
             self.method,
             self.lanes,
             self.instruction_set,
             self.division,
+            kernel,
+            behind,
         )?;
         for omission in &self.found.omissions {
             let Omission { part, left_out, gain, quartiles } = omission;
             let costs = match (left_out, gain, quartiles) {
                 (true, Some(gain), Some([low, high])) => {
-                    format!("{:+.1} % ({:+.1} to {:+.1})", gain * 100.0, low * 100.0, high * 100.0)
+                    format!("{} % ({} to {})", percent(*gain), percent(*low), percent(*high))
                 }
                 _ => "needed".to_owned(),
             };
@@ -125,9 +222,9 @@ impl Report {
             self.width,
             self.height,
             self.threads,
-            self.found.picture_ns as f64 / 1e6,
+            self.found.picture_ns / 1e6,
             self.found.rays,
-            self.found.rays as f64 * 1e3 / self.found.picture_ns.max(1) as f64,
+            self.found.rays as f64 * 1e3 / self.found.picture_ns,
             self.found.rounds,
         )
     }

@@ -6,6 +6,7 @@ mod compare;
 mod explain;
 mod lines;
 mod list;
+mod omissions;
 mod output;
 mod pictures;
 mod progress;
@@ -58,6 +59,7 @@ fn main() -> ExitCode {
         Some(Verb::Recommend(arguments)) => recommend::run(&arguments),
         Some(Verb::Explain(arguments)) => explain::run(&arguments),
         Some(Verb::Pictures(arguments)) => pictures::run(&arguments),
+        Some(Verb::Omissions(arguments)) => omissions::run(&arguments),
         Some(Verb::Completions { shell }) => output::print(|out| {
             // Into memory first: the generator panics where it cannot write.
             let mut script = Vec::new();

@@ -3,10 +3,9 @@
 use std::num::NonZero;
 
 use anyhow::Result;
-use trisect_harness::{PictureSettings, Settings};
+use trisect_harness::PictureSettings;
 
 use crate::arguments::Pictures;
-use crate::compare::command;
 use crate::progress::Bar;
 use crate::{output, records, tasks};
 
@@ -15,16 +14,8 @@ pub(crate) fn run(arguments: &Pictures) -> Result<()> {
     let methods = tasks::methods(&arguments.methods)?;
     output::check_folder(&arguments.output)?;
     let rounds = if arguments.quick { 3 } else { 7 };
-    // Nothing is measured here but the machine: the record begins with its facts.
-    let settings = Settings {
-        command: command(),
-        seed: arguments.seed,
-        rounds,
-        methods: Vec::new(),
-        timed: false,
-    };
     let mut bar = Bar::new();
-    let mut taken = trisect_harness::measure(&settings, [], &mut bar)?;
+    let mut taken = records::of_machine(arguments.seed, rounds, &mut bar)?;
     let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
     let settings = PictureSettings {
         seed: arguments.seed,

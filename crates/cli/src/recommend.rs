@@ -36,6 +36,7 @@ pub(crate) fn run(arguments: &Recommend) -> Result<()> {
         needs: arguments.needs.into(),
         max_error: arguments.max_error,
         watertight: arguments.watertight,
+        in_tracer: false,
         time: Duration::from_secs_f64(arguments.seconds),
         exhaustive: arguments.exhaustive,
     };

@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail};
 use serde::Serialize;
+use trisect_harness::Settings;
 use trisect_harness::record::{Record, Records};
 use trisect_report::{Filter, Page, PageError};
 
 use crate::arguments::{Cmp, Rank, Report};
-use crate::compare::read;
+use crate::compare::{command, read};
 use crate::output;
+use crate::progress::Bar;
 
 /// Columns of what is printed: a terminal's.
 pub(crate) const COLUMNS: usize = 80;
@@ -71,6 +73,9 @@ pub(crate) fn report(arguments: &Report) -> Result<()> {
     if records.lines.iter().any(|line| matches!(line, Record::Frames(_))) {
         return publish_pictures(&records, &arguments.output, arguments.json);
     }
+    if records.lines.iter().any(|line| matches!(line, Record::Omission(_))) {
+        return publish_omissions(&records, &arguments.output, arguments.json);
+    }
     if records.lines.iter().any(|line| matches!(line, Record::Traced(_))) {
         return publish_study(&records, &arguments.output, arguments.json);
     }
@@ -93,6 +98,12 @@ fn splice(records: &Records, documents: &[PathBuf]) -> Result<()> {
         eprintln!("spliced {}", path.display());
     }
     Ok(())
+}
+
+/// A record with no more than the facts of the machine, for a study that adds what it finds.
+pub(crate) fn of_machine(seed: u64, rounds: usize, progress: &mut Bar) -> Result<Records> {
+    let settings = Settings { command: command(), seed, rounds, methods: Vec::new(), timed: false };
+    Ok(trisect_harness::measure(&settings, [], progress)?)
 }
 
 /// What is made of a record: a page in a folder, and its summary, printed.
@@ -142,6 +153,13 @@ pub(crate) fn publish_pictures(records: &Records, folder: &Path, json: bool) -> 
     tell(&page, &summary, &summary.to_text(COLUMNS), json)
 }
 
+/// Adds the page of the study of omissions to a report and prints its summary.
+pub(crate) fn publish_omissions(records: &Records, folder: &Path, json: bool) -> Result<()> {
+    let page = add(folder, || trisect_report::write_omissions_page(records, folder))?;
+    let summary = trisect_report::omission_summary(records);
+    tell(&page, &summary, &summary.to_text(COLUMNS), json)
+}
+
 /// Prints a summary, and says where the page is.
 fn tell(page: &Page, summary: &impl Serialize, text: &str, json: bool) -> Result<()> {
     show(summary, text, json)?;
@@ -158,6 +176,7 @@ fn add(folder: &Path, write: impl FnOnce() -> Result<Page, PageError>) -> Result
         ("stress.jsonl", "stress.html", trisect_report::write_stress_page),
         ("study.jsonl", "study.html", trisect_report::write_study_page),
         ("pictures.jsonl", "pictures.html", trisect_report::write_pictures_page),
+        ("omissions.jsonl", "omissions.html", trisect_report::write_omissions_page),
     ] {
         let record = folder.join(record);
         if record.exists() && folder.join(drawn) != page.index {

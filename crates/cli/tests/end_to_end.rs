@@ -104,7 +104,7 @@ fn a_kernel_is_recommended() {
 #[test]
 fn what_a_scene_does_not_need_is_explained() {
     let folder = Folder::new();
-    let explain = "explain mesh.obj --rounds 2 --width 16 --height 16 --lights 0";
+    let explain = "explain mesh.obj --rounds 2 --width 16 --height 16 --lights 0 --seconds 0.01";
     let run = folder.trisect(&format!("{explain} --json"), b"");
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
     let found: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
@@ -113,13 +113,28 @@ fn what_a_scene_does_not_need_is_explained() {
     assert_eq!(parts, ["shapes", "varying", "shadows", "onward", "everything"]);
     assert!(omissions.iter().all(|o| o["left_out"] == true && o["gain"].is_f64()), "{omissions:?}");
 
+    // Kernels as a tracer calls them, the best of each method.
+    let fastest = found["fastest"].as_array().expect("a list");
+    assert!(!fastest.is_empty());
+    for kernel in fastest {
+        assert_eq!(
+            (&kernel["arrangement"], &kernel["precision"]),
+            (&"one-ray".into(), &"f32".into())
+        );
+        assert!(kernel["width"].as_u64().is_some_and(|width| width <= 8), "{kernel}");
+        let same = fastest.iter().filter(|other| other["method"] == kernel["method"]).count();
+        assert_eq!(same, 1, "{kernel}");
+    }
+
     // Mirrors are needed once they are followed.
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/scenes/mirror.toml");
     for (depth, left_out) in [(0, true), (1, false)] {
         let explain = format!("explain {scene} --rounds 1 --width 16 --height 16 --depth {depth}");
+        let explain = format!("{explain} --seconds 0");
         let run = folder.trisect(&format!("{explain} --json"), b"");
         let found: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
         assert_eq!(found["omissions"][3]["part"], "onward");
+        assert_eq!(found["fastest"].as_array().map(Vec::len), Some(0));
         assert_eq!(found["omissions"][3]["left_out"], left_out, "{depth}");
     }
     let text = folder.trisect(explain, b"").stdout;
@@ -380,6 +395,43 @@ fn a_study_of_pictures_adds_its_page_and_its_record_to_a_report() {
         assert!(lines.iter().filter(|line| line["kind"] == kind).count() >= 14, "{kind}");
     }
     assert_eq!(record("there/pictures.jsonl"), lines);
+}
+
+/// One test, as the study is what takes its time.
+#[test]
+fn a_study_of_omissions_adds_its_page_and_its_record_to_a_report() {
+    let folder = Folder::new();
+    let study = "omissions --quick --shrink 16 --methods wald,perpendicular-planes --output here";
+    let run = folder.trisect(study, b"");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let written = ["page    here/omissions.html", "record  here/omissions.jsonl"];
+    assert_eq!(run.stderr.trim().lines().collect::<Vec<_>>(), written);
+    assert!(run.stdout.lines().all(|line| line.chars().count() <= 80), "{}", run.stdout);
+    for told in ["kernels: deferred", "tracer: robust-boxes", "pictures: everything"] {
+        assert!(run.stdout.contains(told), "{told}: {}", run.stdout);
+    }
+    let record = fs::read_to_string(folder.path().join("here/omissions.jsonl")).expect("there");
+    let lines: Vec<serde_json::Value> = record
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("JSON"))
+        .filter(|line: &serde_json::Value| line["kind"] == "omission")
+        .collect();
+    let of = |layer: &str| lines.iter().filter(|line| line["layer"] == layer).count();
+    // The second method has one published form, and decides by numerators where no value is asked for:
+    // that is no other form of the same.
+    assert_eq!(of("kernel"), 3);
+    // Six things for each of four classes of rays through two scenes.
+    assert_eq!(of("tracer"), 6 * 4 * 2);
+    // No scene needs everything in ambient light.
+    assert!(of("picture") >= 2 * 7, "{record}");
+    assert!(lines.iter().all(|line| line["with_ns"].as_array().is_some_and(|ns| ns.len() == 11)));
+
+    let page = fs::read(folder.path().join("here/omissions.html")).expect("it is there");
+    let again = folder.trisect("report here/omissions.jsonl --json --output here", b"");
+    assert_eq!((again.code, again.stderr.trim()), (Some(0), "page    here/omissions.html"));
+    assert_eq!(fs::read(folder.path().join("here/omissions.html")).expect("it is there"), page);
+    let summary: serde_json::Value = serde_json::from_str(&again.stdout).expect("JSON");
+    assert_eq!(summary["omissions"].as_array().map(Vec::len), Some(lines.len()));
 }
 
 #[test]

@@ -29,8 +29,14 @@ fn documents_are_spliced_from_their_record() {
         ("stress.jsonl", &["docs/STABILITY.md", "docs/CONTRACT.md"]),
         ("study.jsonl", &["docs/TRACER.md"]),
         ("pictures.jsonl", &["docs/PICTURES.md"]),
+        ("omissions.jsonl", &["docs/NEEDS.md"]),
     ] {
-        let file = std::fs::File::open(folder.join(record)).expect("the documents name it");
+        let path = folder.join(record);
+        // Until it is taken nothing stands between its markers.
+        if record == "omissions.jsonl" && !path.exists() {
+            continue;
+        }
+        let file = std::fs::File::open(path).expect("the documents name it");
         let records = Records::read(std::io::BufReader::new(file)).expect("a sound record");
         for &document in documents {
             let text = std::fs::read_to_string(root.join(document)).expect("a document");

@@ -2,13 +2,17 @@
 #![forbid(unsafe_code)]
 
 mod answers;
+mod code;
 mod explain;
 pub mod file;
 pub mod machine;
 mod measure;
+mod omissions;
 mod pictures;
 mod recommend;
 pub mod record;
+mod shipped;
+pub mod stats;
 mod stress;
 mod study;
 mod subject;
@@ -16,6 +20,7 @@ mod timing;
 
 pub use explain::{Explanation, Omission, explain};
 pub use measure::{Progress, REFERENCE, Settings, Task, measure};
+pub use omissions::{OmissionSettings, omissions};
 pub use pictures::{PictureSettings, pictures};
 pub use recommend::{
     Candidate, Exhaustive, RecommendError, RecommendSettings, Recommendation, recommend,

@@ -15,12 +15,14 @@ use trisect_moller_trumbore::MollerTrumbore;
 use trisect_render::{
     Image, ImageFormat, Mode, Occlusion, Renderer, Sampling, Settings, Stage, Watch,
 };
-use trisect_scene::{SHIPPED, Scene};
+use trisect_scene::Scene;
 use trisect_tracer::{EveryTriangle, ScalarBvh};
 
 use crate::Progress;
 use crate::measure::REFERENCE;
 use crate::record::{FrameSeries, Frames, Picture, Record};
+use crate::shipped::Shipped;
+use crate::stats::middle;
 use crate::study::{StudyError, pool, reference, thread_counts};
 use crate::timing::{self, WrongAnswer, nanoseconds};
 
@@ -77,17 +79,8 @@ pub fn pictures(
     settings: &PictureSettings,
     progress: &mut dyn Progress,
 ) -> Result<Vec<Record>, StudyError> {
-    let folder = tempfile::tempdir().expect("the system has a place for temporary files");
-    for (name, content) in SHIPPED {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap_or(folder.path()))
-            .and_then(|()| std::fs::write(path, content))
-            .expect("the system has a place for temporary files");
-    }
-    let load = |name: &str| {
-        let path = folder.path().join("scenes").join(name);
-        Scene::load(path).unwrap_or_else(|error| panic!("a shipped scene is faulty: {error}"))
-    };
+    let shipped = Shipped::new();
+    let load = |name: &str| shipped.load(&format!("scenes/{name}"));
     let mirror = load("mirror.toml");
     let mut study = Study { settings, random: Pcg64::seed_from_u64(settings.seed), progress };
     let mut lines = study.variations(&mirror)?;
@@ -321,7 +314,8 @@ impl Study<'_> {
         }
         // A method so imprecise that it is seen is no candidate, however fast.
         others.retain(|contender| is_like(contender.first.as_ref(), expected.as_ref()));
-        others.sort_by_key(|contender| middle(&contender.frames.samples_ns));
+        let time = |contender: &Contender<'_>| middle(&contender.frames.samples_ns);
+        others.sort_by(|a, b| time(a).total_cmp(&time(b)));
         contenders.extend(others.into_iter().take(1));
         Ok(contenders.into_iter().map(|contender| Record::Frames(contender.frames)).collect())
     }
@@ -364,12 +358,6 @@ where
 /// Whether pictures differ no more than kernels make them.
 fn is_like(image: Option<&Image>, other: Option<&Image>) -> bool {
     image.zip(other).is_some_and(|(image, other)| image.difference(other).0 < DIFFERENT)
-}
-
-fn middle(samples: &[u64]) -> u64 {
-    let mut sorted = samples.to_vec();
-    sorted.sort_unstable();
-    sorted.get(sorted.len() / 2).copied().unwrap_or(u64::MAX)
 }
 
 /// Name, what is to be seen, scene and settings of each picture.

@@ -10,8 +10,9 @@ use trisect_catalog::{Entry, Kernel, Kernels, Variant, entries, find};
 use trisect_core::{Culling, Hit, Output, Precision, Ray, Triangle};
 
 use crate::answers::Pair;
-use crate::measure::{Group, Progress, REFERENCE, answers_of_widest, contenders};
+use crate::measure::{Group, Progress, REFERENCE, answers_of_widest, contenders, record_variant};
 use crate::record::{self, Family, Refusal};
+use crate::stats::middle;
 use crate::subject::Subject;
 use crate::timing::{self, Contender, WrongAnswer};
 
@@ -38,6 +39,8 @@ pub struct RecommendSettings {
     pub max_error: Option<f64>,
     /// Whether rays may never pass between triangles that share an edge.
     pub watertight: bool,
+    /// Whether kernels must do what a tracer does at a leaf, see [`record::Variant::is_as_in_a_tracer`].
+    pub in_tracer: bool,
     /// How long kernels race.
     pub time: Duration,
     /// Whether all of them are measured as well, to see how good the choice is.
@@ -191,7 +194,7 @@ pub fn recommend(
         let quality = quality.expect("what is timed has answered");
         Candidate {
             variant: group.record_variant(contender.kernel),
-            ns_per_test: median(&contender.samples_ns) / tests,
+            ns_per_test: middle(&contender.samples_ns) / tests,
             samples: contender.samples_ns.len(),
             bytes_per_triangle: group.bytes_per_triangle,
             error: quality.error,
@@ -310,9 +313,14 @@ impl Search<'_> {
         let Variant { lane, division, .. } = kernel.variant;
         let is_watertight =
             entry.info.claims.watertight && lane.arithmetic == "plain" && division == "deferred";
+        let (arrangement, needs) = (kernel.arrangement.name(), kernel.needs.name());
+        let is_in_tracer =
+            record_variant(entry.info.name, kernel.variant, arrangement, kernel.early_out, needs)
+                .is_as_in_a_tracer();
         if !lane.instruction_set.is_available()
             || !gives(kernel.needs, self.settings.needs)
             || (self.settings.watertight && !is_watertight)
+            || (self.settings.in_tracer && !is_in_tracer)
         {
             return false;
         }
@@ -394,7 +402,7 @@ fn race(
         let is_last = racing.len() <= FINALISTS;
         progress.phase(&format!("timing {} kernels", racing.len()), 1);
         timing::rounds(racing, FEWEST, random, |(_, contender), timed| contender.sample(timed))?;
-        let round: f64 = racing.iter().map(|(_, contender)| median(&contender.samples_ns)).sum();
+        let round: f64 = racing.iter().map(|(_, contender)| middle(&contender.samples_ns)).sum();
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -404,7 +412,7 @@ fn race(
         if let Some(more) = more.checked_sub(FEWEST) {
             timing::rounds(racing, more, random, |(_, contender), timed| contender.sample(timed))?;
         }
-        racing.sort_by(|(_, a), (_, b)| median(&a.samples_ns).total_cmp(&median(&b.samples_ns)));
+        racing.sort_by(|(_, a), (_, b)| middle(&a.samples_ns).total_cmp(&middle(&b.samples_ns)));
         progress.step();
         if is_last {
             return Ok(());
@@ -427,7 +435,7 @@ fn measure_all<'a>(
     let is_chosen =
         |racer: &Racer<'_>| std::ptr::eq(racer.0, group) && std::ptr::eq(racer.1.kernel, kernel);
     let by_median = |(_, a): &Racer<'_>, (_, b): &Racer<'_>| {
-        median(&a.samples_ns).total_cmp(&median(&b.samples_ns))
+        middle(&a.samples_ns).total_cmp(&middle(&b.samples_ns))
     };
     timing::rounds(all, OF_ALL, random, |(_, contender), timed| contender.sample(timed))?;
     all.sort_by(by_median);
@@ -451,15 +459,6 @@ fn measure_all<'a>(
         chosen_ns_per_test: chosen.ns_per_test,
         best,
     })
-}
-
-fn median(samples: &[u64]) -> f64 {
-    let mut sorted = samples.to_vec();
-    sorted.sort_unstable();
-    match sorted.len() {
-        0 => f64::INFINITY,
-        count => (sorted[(count - 1) / 2] + sorted[count / 2]) as f64 / 2.0,
-    }
 }
 
 #[cfg(test)]

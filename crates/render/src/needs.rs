@@ -13,7 +13,8 @@ use crate::stage::Stage;
 /// A part of the renderer that a picture can do without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Spheres, planes, and meshes that rays are carried to.
+    /// Spheres, planes, meshes that rays are carried to, and what is clear beside what is not: all but one
+    /// tree in the world.
     Shapes,
     /// Textures and interpolated normals.
     Varying,
@@ -88,6 +89,8 @@ pub struct Facts {
     pub planes: usize,
     /// Meshes that rays are carried to, by their places.
     pub carried: usize,
+    /// Trees that rays go through, by their places.
+    pub trees: usize,
     /// Triangles with normals at their corners, or beside such in a tree.
     pub interpolated: usize,
     /// Materials with a texture.
@@ -105,10 +108,10 @@ impl Facts {
     pub(crate) fn of(stage: &Stage) -> Self {
         let scene = &stage.scene;
         let mut used = vec![false; scene.materials.len()];
-        let facets = stage.groups.iter().flat_map(|group| &group.facets);
+        let triangles = stage.groups.iter().flat_map(|group| &group.materials);
         let simple = scene.spheres.iter().map(|sphere| sphere.material);
         let simple = simple.chain(scene.planes.iter().map(|plane| plane.material));
-        for material in facets.map(|facet| facet.material as usize).chain(simple) {
+        for material in triangles.map(|&material| material as usize).chain(simple) {
             used[material] = true;
         }
         let count = |is: fn(&Material) -> bool| {
@@ -123,6 +126,7 @@ impl Facts {
             spheres: scene.spheres.len(),
             planes: scene.planes.len(),
             carried: stage.placed.iter().filter(|placed| placed.carried.is_some()).count(),
+            trees: stage.placed.len(),
             interpolated: stage.groups.iter().map(|group| group.normals.len()).sum(),
             textured: count(|material| material.texture.is_some()),
             lights: scene.lights.len(),
@@ -138,7 +142,7 @@ impl Facts {
         }
         let occludes = matches!(settings.mode, Mode::Whitted { occlusion: Some(_) });
         [
-            (Part::Shapes, self.spheres + self.planes + self.carried > 0),
+            (Part::Shapes, self.spheres + self.planes + self.carried > 0 || self.trees > 1),
             (Part::Varying, self.interpolated + self.textured > 0),
             (Part::Shadows, occludes || self.lights.min(settings.lights) > 0),
             (Part::Onward, settings.depth > 0 && self.mirrors + self.clear > 0),

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use trisect_scene::{Color, Lens};
+use trisect_scene::{Camera, Color, Lens};
 
 use crate::image::Image;
 use crate::needs::{self, Facts, Job, Needs, Parts, Paths};
@@ -14,7 +14,7 @@ use crate::random::{Random, on_disc};
 use crate::sampling::{CONTRAST, Sampling};
 use crate::settings::{Mode, Settings};
 use crate::stage::Stage;
-use crate::wave::{Counts, Wave};
+use crate::wave::{Counts, Wave, ray};
 
 /// Samples that go together: so many that a batch is worth its calls, and few enough for the second
 /// cache.
@@ -224,7 +224,8 @@ impl Job for Drawing<'_, '_> {
 }
 
 impl Stage {
-    /// Draws a tile after Whitted.
+    /// Draws a tile after Whitted. Out of line, so that the program says how much code that is.
+    #[inline(never)]
     fn draw<N: Needs>(
         &self,
         settings: &Settings,
@@ -242,14 +243,7 @@ impl Stage {
         let batch = u32::try_from((BATCH / first).max(1)).expect("it is small");
         for start in (0..pixels).step_by(batch as usize) {
             let end = pixels.min(start + batch);
-            wave.clear();
-            if eye.looks_straight() {
-                eye.look_straight(wave, tile, start..end);
-            } else {
-                for pixel in start..end {
-                    eye.look(wave, tile.pixel(pixel), 0..sampling.count());
-                }
-            }
+            eye.look_at::<N>(wave, tile, start..end);
             let radiance = wave.follow::<N>(self, settings, watch.stop);
             let out = &mut out[start as usize..end as usize];
             if first == 1 {
@@ -267,7 +261,7 @@ impl Stage {
             wave.clear();
             for &pixel in pixels {
                 let samples = sampling.count()..sampling.count() + sampling.more();
-                eye.look(wave, tile.pixel(pixel), samples);
+                eye.look::<N>(wave, tile.pixel(pixel), samples);
             }
             let radiance = wave.follow::<N>(self, settings, watch.stop);
             for (&pixel, samples) in pixels.iter().zip(radiance.chunks_exact(more)) {
@@ -278,7 +272,8 @@ impl Stage {
         }
     }
 
-    /// Draws one path for each pixel of a tile.
+    /// Draws one path for each pixel of a tile; out of line likewise.
+    #[inline(never)]
     fn draw_paths(
         &self,
         settings: &Settings,
@@ -293,7 +288,7 @@ impl Stage {
         for pixels in all.chunks(BATCH) {
             wave.clear();
             for &pixel in pixels {
-                eye.look(wave, tile.pixel(pixel), sample..sample + 1);
+                eye.look::<Paths>(wave, tile.pixel(pixel), sample..sample + 1);
             }
             let radiance = wave.follow::<Paths>(self, settings, watch.stop);
             for (&pixel, color) in pixels.iter().zip(radiance) {
@@ -326,7 +321,7 @@ fn differ(samples: &[Color]) -> bool {
 
 /// A camera and where its rays go through.
 pub(crate) struct Eye<'a> {
-    camera: &'a trisect_scene::Camera,
+    camera: &'a Camera,
     settings: &'a Settings,
     half_height: f32,
     /// Half the picture's size in half heights, and half heights a pixel.
@@ -347,36 +342,62 @@ impl<'a> Eye<'a> {
         }
     }
 
-    /// Whether one ray through the middle of each pixel is all that is asked for.
-    fn looks_straight(&self) -> bool {
-        matches!(self.settings.mode, Mode::Whitted { .. })
-            && matches!(self.settings.sampling, Sampling::Grid(1) | Sampling::Circle(1))
-            && !matches!(self.camera.lens, Lens::Thin { .. })
+    /// Sends the rays of the first samples of some pixels of a tile, and no others.
+    fn look_at<N: Needs>(&self, wave: &mut Wave, tile: Tile, pixels: Range<u32>) {
+        let Settings { sampling, mode, .. } = self.settings;
+        let is_straight = matches!(mode, Mode::Whitted { .. })
+            && matches!(sampling, Sampling::Grid(1) | Sampling::Circle(1));
+        // A loop for each lens: the compiler computes several rays at a time, and would compute those of all
+        // lenses, of numbers that are not there.
+        match self.camera.lens {
+            Lens::Pinhole { field_of_view } if is_straight => {
+                self.look_straight::<N>(wave, tile, pixels, Lens::Pinhole { field_of_view });
+            }
+            Lens::Orthographic { height } if is_straight => {
+                self.look_straight::<N>(wave, tile, pixels, Lens::Orthographic { height });
+            }
+            _ => {
+                wave.clear();
+                for pixel in pixels {
+                    self.look::<N>(wave, tile.pixel(pixel), 0..sampling.count());
+                }
+            }
+        }
     }
 
-    /// Sends these rays for some pixels of a tile, as [`look`](Eye::look) would, without its questions.
-    fn look_straight(&self, wave: &mut Wave, tile: Tile, pixels: Range<u32>) {
-        let width = self.settings.size[0];
-        let places = || {
-            let [mut x, mut y] = tile.pixel(pixels.start);
-            pixels.clone().map(move |_| {
-                let at = [x, y];
-                x += 1;
-                if x == tile.x + tile.width {
-                    (x, y) = (tile.x, y + 1);
-                }
-                at
-            })
-        };
+    /// Sends a ray through the middle of each of these pixels, as [`look`](Eye::look) would, without its
+    /// questions.
+    #[inline(always)]
+    fn look_straight<N: Needs>(&self, wave: &mut Wave, tile: Tile, pixels: Range<u32>, lens: Lens) {
         let middle = Vec2::splat(0.5);
-        wave.extend_primary(
-            places().map(|[x, y]| y * width + x),
-            places().map(|at| self.ray(at, middle, || Vec2::ZERO)),
-        );
+        // On the stack: nothing that is written can change it, so that what is the same for a row is computed
+        // once.
+        let camera = &Camera { lens, ..self.camera.clone() };
+        let eye = Eye { camera, ..*self };
+        let mut rays = wave.primary(pixels.len());
+        let mut start = pixels.start;
+        while !rays.is_empty() {
+            let [x, y] = tile.pixel(start);
+            let of_row = ((tile.x + tile.width - x) as usize).min(rays.len());
+            let (row, rest) = rays.split_at_mut(of_row);
+            for (x, to) in (x..).zip(row) {
+                let (o, d) = eye.ray([x, y], middle, || Vec2::ZERO);
+                *to = ray(o, d, f32::INFINITY);
+            }
+            rays = rest;
+            start = (start / tile.width + 1) * tile.width;
+        }
+        if N::SHADOWS {
+            let width = self.settings.size[0];
+            wave.samples.extend(pixels.map(|pixel| {
+                let [x, y] = tile.pixel(pixel);
+                [y * width + x, 0]
+            }));
+        }
     }
 
     /// Sends the rays of a pixel's samples.
-    fn look(&self, wave: &mut Wave, at: [u32; 2], samples: Range<u32>) {
+    fn look<N: Needs>(&self, wave: &mut Wave, at: [u32; 2], samples: Range<u32>) {
         let Settings { size, seed, mode, sampling, .. } = self.settings;
         let pixel = at[1] * size[0] + at[0];
         for sample in samples {
@@ -399,12 +420,12 @@ impl<'a> Eye<'a> {
                 on_disc(at.x, at.y)
             };
             let (o, d) = self.ray(at, point, on_lens);
-            wave.push_primary(pixel, sample, o, d);
+            wave.push_primary::<N>(pixel, sample, o, d);
         }
     }
 
     /// The ray through a point of a pixel, from 0 to 1 across and down, its direction of unit length.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn ray(
         &self,
         [x, y]: [u32; 2],

@@ -12,14 +12,13 @@ use trisect_tracer::{Statistics, Tree};
 
 use crate::surface::axes;
 
-/// What shading asks of every triangle.
+/// A triangle's plane.
 #[derive(Clone, Copy)]
 pub(crate) struct Facet {
     /// Of unit length, towards the front.
     pub(crate) normal: Vec3,
-    /// Of its plane from the origin, along the normal.
+    /// From the origin, along the normal.
     pub(crate) distance: f32,
-    pub(crate) material: u32,
 }
 
 /// The weights of corners b and c at a point, by their gradients: so a method need not give them.
@@ -74,6 +73,8 @@ where
 /// Triangles in a tree.
 pub(crate) struct Group {
     pub(crate) tree: Box<dyn Tree>,
+    /// Of each triangle; apart from its plane, which not every picture asks for.
+    pub(crate) materials: Vec<u32>,
     pub(crate) facets: Vec<Facet>,
     /// Empty where nothing varies over any triangle, as the next two may be.
     pub(crate) weights: Vec<Weights>,
@@ -283,16 +284,14 @@ impl Gathered {
         build: &impl Fn(&[Triangle<f32>]) -> Result<Box<dyn Tree>, UnsuitableMesh>,
     ) -> Result<Group, UnsuitableMesh> {
         let tree = build(&self.triangles)?;
-        let facets = self.triangles.iter().zip(&self.materials);
-        let facets = facets
-            .map(|(triangle, &material)| {
-                let normal = Vec3::from(triangle.normal()).normalize_or_zero();
-                Facet { normal, distance: normal.dot(triangle.a.into()), material }
-            })
-            .collect();
+        let facet = |triangle: &Triangle<f32>| {
+            let normal = Vec3::from(triangle.normal()).normalize_or_zero();
+            Facet { normal, distance: normal.dot(triangle.a.into()) }
+        };
         let mut group = Group {
             tree,
-            facets,
+            materials: self.materials,
+            facets: self.triangles.iter().map(facet).collect(),
             weights: Vec::new(),
             normals: Vec::new(),
             coordinates: Vec::new(),

@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 use trisect_core::Ray;
 use trisect_scene::{Color, Material, Plane, Sphere};
+use trisect_tracer::TriangleHit;
 
 use crate::needs::Needs;
 use crate::stage::Stage;
@@ -19,10 +20,21 @@ pub(crate) struct Target {
 }
 
 impl Target {
-    pub(crate) const NOTHING: u32 = u32::MAX;
+    const NOTHING: u32 = u32::MAX;
     pub(crate) const SPHERE: u32 = u32::MAX - 1;
     pub(crate) const PLANE: u32 = u32::MAX - 2;
     pub(crate) const NONE: Self = Self { what: Self::NOTHING, number: 0 };
+
+    /// A triangle of the group that was placed first.
+    #[inline]
+    pub(crate) fn in_first(found: &TriangleHit) -> Self {
+        Self { what: 0, number: found.triangle }
+    }
+
+    #[inline]
+    pub(crate) fn is_something(self) -> bool {
+        self.what != Self::NOTHING
+    }
 }
 
 /// What shading asks of a point.
@@ -37,6 +49,7 @@ pub(crate) struct Surface<'a> {
     pub(crate) material: &'a Material,
     /// The material's, times its texture.
     pub(crate) diffuse: Color,
+    /// Whether the material answers lights, where there may be any.
     pub(crate) is_lit: bool,
 }
 
@@ -69,8 +82,8 @@ impl Stage {
                 let placed = &self.placed[what as usize];
                 let group = &self.groups[placed.group];
                 let facet = &group.facets[number];
+                material = group.materials[number] as usize;
                 let carried = if N::SHAPES { placed.carried.as_ref() } else { None };
-                material = facet.material as usize;
                 let mut own = match carried {
                     Some(carried) => carried.to_object.transform_point3(position),
                     None => position,
@@ -126,7 +139,7 @@ impl Stage {
             from_front,
             material: described,
             diffuse,
-            is_lit: self.lit[material],
+            is_lit: N::SHADOWS && self.lit[material],
         }
     }
 }

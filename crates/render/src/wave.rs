@@ -45,12 +45,24 @@ pub(crate) struct Carrying {
     pub(crate) weight: Color,
 }
 
+impl Carrying {
+    /// Of a ray from the camera: each has its own sample, in their order.
+    #[inline]
+    fn primary(slot: u32) -> Self {
+        Self { slot, weight: Vec3::ONE }
+    }
+}
+
 /// Rays that go together, and room for what comes of them. Kept from tile to tile.
 #[derive(Default)]
 pub(crate) struct Wave {
-    /// Those at hand; each interval ends at what the ray has met.
+    /// Those at hand; where there are [`Part::Shapes`](crate::Part::Shapes), each interval ends at what the
+    /// ray has met.
     rays: Vec<Ray<f32>>,
+    /// Of each of them; where there is nothing [`Part::Onward`](crate::Part::Onward), what each carries is
+    /// known without.
     carrying: Vec<Carrying>,
+    /// What each has met, where there are shapes; elsewhere `found` says it.
     targets: Vec<Target>,
     found: Vec<Option<TriangleHit>>,
     /// Those that are to go next.
@@ -66,7 +78,8 @@ pub(crate) struct Wave {
     which: Vec<u32>,
     /// What the samples have so far.
     radiance: Vec<Color>,
-    /// For random numbers: which pixel and sample each slot is.
+    /// For random numbers: which pixel and sample each slot is. Only where there are
+    /// [`Part::Shadows`](crate::Part::Shadows), as nothing else asks for any.
     pub(crate) samples: Vec<[u32; 2]>,
     pub(crate) counts: Counts,
 }
@@ -81,30 +94,24 @@ impl Wave {
     /// Forgets all rays and samples.
     pub(crate) fn clear(&mut self) {
         self.rays.clear();
-        self.carrying.clear();
         self.samples.clear();
     }
 
     /// Adds a sample's ray, whose direction has unit length.
     #[inline]
-    pub(crate) fn push_primary(&mut self, pixel: u32, sample: u32, o: Vec3, d: Vec3) {
-        let slot = u32::try_from(self.samples.len()).expect("a batch has few samples");
-        self.samples.push([pixel, sample]);
+    pub(crate) fn push_primary<N: Needs>(&mut self, pixel: u32, sample: u32, o: Vec3, d: Vec3) {
+        if N::SHADOWS {
+            self.samples.push([pixel, sample]);
+        }
         self.rays.push(ray(o, d, f32::INFINITY));
-        self.carrying.push(Carrying { slot, weight: Vec3::ONE });
     }
 
-    /// Adds the rays of samples 0 of some pixels, row by row, whose directions have unit length.
+    /// Forgets all samples, and gives room for rays of others; whatever rays it holds are to be written over.
     #[inline]
-    pub(crate) fn extend_primary(
-        &mut self,
-        pixels: impl Iterator<Item = u32>,
-        rays: impl Iterator<Item = (Vec3, Vec3)>,
-    ) {
-        self.samples.extend(pixels.map(|pixel| [pixel, 0]));
-        self.rays.extend(rays.map(|(o, d)| ray(o, d, f32::INFINITY)));
-        let slots = (0..).take(self.rays.len());
-        self.carrying.extend(slots.map(|slot| Carrying { slot, weight: Vec3::ONE }));
+    pub(crate) fn primary(&mut self, count: usize) -> &mut [Ray<f32>] {
+        self.samples.clear();
+        self.rays.resize(count, ray(Vec3::ZERO, Vec3::ZERO, 0.0));
+        &mut self.rays
     }
 
     /// Follows the rays, and those that come of them, to their ends; what each sample receives. Ends early
@@ -116,7 +123,11 @@ impl Wave {
         stop: &AtomicBool,
     ) -> &[Color] {
         self.radiance.clear();
-        self.radiance.resize(self.samples.len(), Vec3::ZERO);
+        self.radiance.resize(self.rays.len(), Vec3::ZERO);
+        self.carrying.clear();
+        if N::ONWARD {
+            self.carrying.extend((0..).take(self.rays.len()).map(Carrying::primary));
+        }
         self.counts.primary += self.rays.len() as u64;
         let occlusion = match settings.mode {
             Mode::Whitted { occlusion } => occlusion,
@@ -130,21 +141,33 @@ impl Wave {
             // Out of the wave, which what they meet adds to.
             let mut rays = std::mem::take(&mut self.rays);
             let mut carrying = std::mem::take(&mut self.carrying);
-            let targets = std::mem::take(&mut self.targets);
-            for ((ray, &carrying), &target) in rays.iter().zip(&carrying).zip(&targets) {
-                if target.what == Target::NOTHING {
-                    self.add(carrying, stage.scene.sky(ray.d.into()));
-                } else if N::PATHS {
-                    self.shade_path(stage, settings, depth, ray, carrying, target);
+            let (targets, found) =
+                (std::mem::take(&mut self.targets), std::mem::take(&mut self.found));
+            for (slot, (at, ray)) in (0..).zip(rays.iter().enumerate()) {
+                let carrying = if N::ONWARD { carrying[at] } else { Carrying::primary(slot) };
+                let met = if N::SHAPES {
+                    targets[at].is_something().then(|| (*ray, targets[at]))
                 } else {
-                    self.shade_whitted::<N>(
-                        stage, settings, occlusion, depth, ray, carrying, target,
-                    );
+                    found[at].map(|found| (up_to(ray, &found), Target::in_first(&found)))
+                };
+                match met {
+                    None => self.add(carrying, stage.scene.sky(ray.d.into())),
+                    Some((ray, target)) if N::PATHS => {
+                        self.shade_path(stage, settings, depth, &ray, carrying, target);
+                    }
+                    Some((ray, target)) => self.shade_whitted::<N>(
+                        stage, settings, occlusion, depth, &ray, carrying, target,
+                    ),
                 }
             }
-            self.targets = targets;
+            (self.targets, self.found) = (targets, found);
             if N::SHADOWS {
                 self.add_lights(stage, settings.tracing);
+            }
+            if !N::ONWARD {
+                // Rays stay, for others to be written over them.
+                (self.rays, self.carrying) = (rays, carrying);
+                break;
             }
             rays.clear();
             carrying.clear();
@@ -183,15 +206,23 @@ impl Wave {
         self.shadow_carrying.push(Carrying { slot, weight });
     }
 
-    /// What each ray meets first; its interval ends there.
+    /// What each ray meets first: where there are shapes a target, at which its interval ends, and else no
+    /// more than what is found in the only tree.
     fn find_targets<N: Needs>(&mut self, stage: &Stage, tracing: Tracing) {
         let Self { rays, targets, found, carried, which, .. } = self;
-        targets.clear();
-        if N::SHAPES {
-            targets.extend(rays.iter_mut().map(|ray| nearest_simple(stage, ray)));
-        } else {
-            targets.resize(rays.len(), Target::NONE);
+        if !N::SHAPES {
+            found.resize(rays.len(), None);
+            match stage.placed.first() {
+                Some(placed) => {
+                    let tree = &*stage.groups[placed.group].tree;
+                    tree.closest(tracing, Culling::None, rays, found);
+                }
+                None => found.fill(None),
+            }
+            return;
         }
+        targets.clear();
+        targets.extend(rays.iter_mut().map(|ray| nearest_simple(stage, ray)));
         for (what, placed) in (0_u32..).zip(&stage.placed) {
             let tree = &*stage.groups[placed.group].tree;
             let take = |ray: &mut Ray<f32>, target: &mut Target, found: &TriangleHit| {
@@ -200,7 +231,7 @@ impl Wave {
                     *target = Target { what, number: found.triangle };
                 }
             };
-            match placed.carried.as_ref().filter(|_| N::SHAPES) {
+            match &placed.carried {
                 None => {
                     found.resize(rays.len(), None);
                     tree.closest(tracing, Culling::None, rays, found);
@@ -297,9 +328,9 @@ impl Wave {
                 let mut left = 0;
                 for at in 0..carried.len() {
                     let Some(found) = found[at] else { continue };
-                    let facet = &group.facets[found.triangle as usize];
+                    let material = group.materials[found.triangle as usize] as usize;
                     let weight = &mut shadow_carrying[which[at] as usize].weight;
-                    *weight *= stage.scene.materials[facet.material as usize].transmission;
+                    *weight *= stage.scene.materials[material].transmission;
                     if *weight != Vec3::ZERO {
                         carried[left] = Ray { tmin: behind(found.hit.t), ..carried[at] };
                         which[left] = which[at];
@@ -311,6 +342,12 @@ impl Wave {
             }
         }
     }
+}
+
+/// A ray whose interval ends at what it has met.
+#[inline]
+fn up_to(ray: &Ray<f32>, found: &TriangleHit) -> Ray<f32> {
+    Ray { tmax: found.hit.t, ..*ray }
 }
 
 /// What is behind a hit: so far that rounding does not find the same surface again, or its neighbour over

@@ -8,7 +8,9 @@ use std::sync::atomic::AtomicBool;
 
 use common::{render, shipped, stage};
 use trisect_moller_trumbore::MollerTrumbore;
-use trisect_render::{Image, Mode, Occlusion, Part, Parts, Renderer, Sampling, Settings, Watch};
+use trisect_render::{
+    Image, Mode, Occlusion, Part, Parts, Renderer, Sampling, Settings, Stage, Watch,
+};
 use trisect_tracer::Tracing;
 use trisect_wald::Wald;
 use trisect_watertight::Watertight;
@@ -82,6 +84,32 @@ fn what_is_left_out_changes_no_bit() {
         let with = needed.iter().filter(|parts| parts.has(part)).count();
         assert!(with > 0 && with < needed.len(), "{part:?} is needed by {with} pictures");
     }
+}
+
+/// What is clear has a tree of its own, beside that of the rest.
+#[test]
+fn two_trees_are_more_than_one() {
+    let mut scene = shipped("glass.toml");
+    scene.spheres.clear();
+    scene.planes.clear();
+    let opaque = scene.materials.iter().position(|material| !material.is_clear());
+    let mut other = scene.instances[0].clone();
+    (other.mesh, other.material) = (scene.meshes.len(), opaque);
+    other.to_world.translation += glam::Vec3A::new(0.3, 0.2, 0.5);
+    scene.meshes.push(scene.meshes[0].clone());
+    scene.instances.push(other);
+    let settings = Settings { depth: 0, lights: 0, ..Settings::new([50, 37]) };
+    let needs = |stage: &Stage| Renderer::new(stage).facts().needs(&settings);
+    let both = stage::<MollerTrumbore>(scene.clone());
+    assert_eq!(both.trees().count(), 2, "some is clear, some is not");
+    assert!(needs(&both).has(Part::Shapes));
+    for material in &mut scene.materials {
+        material.transmission = glam::Vec3::ZERO;
+    }
+    let one = stage::<MollerTrumbore>(scene);
+    assert!(!needs(&one).has(Part::Shapes));
+    // Each is opaque to the camera, which sees the nearer of the two.
+    assert_eq!(bits(&render(&both, &settings)), bits(&render(&one, &settings)));
 }
 
 #[test]

@@ -23,6 +23,9 @@ mod view;
 pub use chart::DrawError;
 pub use compare::{ComparedVariant, Comparison, ErrorDifference, compare};
 pub use markdown::{SpliceError, splice};
+pub use omissions::{
+    OmissionKind, OmissionSummary, TimedOmission, omission_summary, write_omissions_page,
+};
 pub use page::{Page, PageError, write_page};
 pub use pictures::{PictureSummary, Technique, TimedFrame, picture_summary, write_pictures_page};
 pub use rank::{Filter, Ranked, Ranking, rank};

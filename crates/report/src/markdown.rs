@@ -30,13 +30,26 @@ pub enum SpliceError {
     Open(&'static str),
 }
 
-/// Writes a part from a record.
+/// Writes a part from a record; nothing where the record says nothing about it.
 type Write = fn(&View) -> String;
 
 /// What can be spliced: its name, and what writes it.
-const PARTS: [(&str, Write); 19] = [
+const PARTS: [(&str, Write); 23] = [
     ("methods", methods),
-    ("omissions", omissions::page),
+    ("omissions", omissions::kernels::page),
+    ("omissions-findings", omissions::markdown::findings),
+    ("omissions-kernels", |view| {
+        let table = omissions::markdown::kernels(view);
+        omissions::markdown::unless_empty(view, &table, omissions::markdown::KERNELS)
+    }),
+    ("omissions-tracer", |view| {
+        let table = omissions::markdown::tracer(view);
+        omissions::markdown::unless_empty(view, &table, omissions::markdown::TRACER)
+    }),
+    ("omissions-pictures", |view| {
+        let table = omissions::markdown::pictures(view);
+        omissions::markdown::unless_empty(view, &table, omissions::markdown::PICTURES)
+    }),
     ("havel", havel::page),
     ("stress-findings", findings::page),
     ("stress-f32", |view| part(view, &stress::methods(view, "f32"), stress::METHODS)),
@@ -60,7 +73,8 @@ const PARTS: [(&str, Write); 19] = [
     }),
 ];
 
-/// `document` with what stands between its markers made anew from a record.
+/// `document` with what stands between its markers made anew from a record; what the record says nothing
+/// about stays as it is.
 ///
 /// # Errors
 /// When the document has no markers, or one that does not close.
@@ -73,8 +87,12 @@ pub fn splice(document: &str, records: &Records) -> Result<String, SpliceError> 
             (format!("<!-- trisect:{name} -->"), format!("<!-- end of trisect:{name} -->"));
         let Some((head, rest)) = text.split_once(&begin) else { continue };
         let (_, tail) = rest.split_once(&end).ok_or(SpliceError::Open(name))?;
-        text = format!("{head}{begin}\n\n{}\n{end}{tail}", write(&view));
         found = true;
+        let written = write(&view);
+        // A document may be made of several records.
+        if !written.is_empty() {
+            text = format!("{head}{begin}\n\n{written}\n{end}{tail}");
+        }
     }
     if found { Ok(text) } else { Err(SpliceError::NoMarker) }
 }

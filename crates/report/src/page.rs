@@ -76,8 +76,11 @@ pub(crate) const STUDY_PAGE: &str = "study.html";
 /// The page of a study of pictures.
 pub(crate) const PICTURES_PAGE: &str = "pictures.html";
 
+/// The page of the study of omissions.
+pub(crate) const OMISSIONS_PAGE: &str = "omissions.html";
+
 /// The pages of a report, as the others lead to them.
-const PAGES: [Link; 4] = [
+const PAGES: [Link; 5] = [
     Link {
         page: INDEX_PAGE,
         name: "The comparison",
@@ -94,6 +97,11 @@ const PAGES: [Link; 4] = [
         says: "what every method is worth where rays are traced",
     },
     Link { page: PICTURES_PAGE, name: "Pictures", says: "scenes rendered, and what they cost" },
+    Link {
+        page: OMISSIONS_PAGE,
+        name: "What is left out",
+        says: "what it would take to keep what nobody asks for",
+    },
 ];
 
 /// Where a page leads.

@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use trisect_harness::record::{
-    Agreement, ByCondition, Contract, Cracks, Decisions, Error, Exactness, Family, Frames,
-    FusedDifference, Header, Limits, MethodFacts, Picture, Preparation, Quantiles, Record, Records,
-    Refusal, SpecialValues, Stages, StressFamily, SurfaceCracks, Throughput, Traced, TreeBuilt,
-    Variant, Workload,
+    Agreement, ByCondition, Code, Contract, Cracks, Decisions, Error, Exactness, Family, Frames,
+    FusedDifference, Header, Limits, MethodFacts, Omission, Picture, Preparation, Quantiles,
+    Record, Records, Refusal, SpecialValues, Stages, StressFamily, SurfaceCracks, Throughput,
+    Traced, TreeBuilt, Variant, Workload,
 };
 
 use crate::stats::{geometric_mean, median, ns_per_test};
@@ -105,6 +105,8 @@ pub(crate) struct View<'a> {
     pub(crate) traced: Vec<&'a Traced>,
     pub(crate) frames: Vec<&'a Frames>,
     pub(crate) pictures: Vec<&'a Picture>,
+    pub(crate) omissions: Vec<&'a Omission>,
+    pub(crate) code: Vec<&'a Code>,
 }
 
 impl<'a> View<'a> {
@@ -136,6 +138,8 @@ impl<'a> View<'a> {
             traced: Vec::new(),
             frames: Vec::new(),
             pictures: Vec::new(),
+            omissions: Vec::new(),
+            code: Vec::new(),
         };
         for line in &records.lines {
             match line {
@@ -171,6 +175,8 @@ impl<'a> View<'a> {
                 Record::Traced(t) => view.traced.push(t),
                 Record::Frames(f) => view.frames.push(f),
                 Record::Picture(p) => view.pictures.push(p),
+                Record::Omission(o) => view.omissions.push(o),
+                Record::Code(c) => view.code.push(c),
             }
         }
         view.facts.sort_by(|a, b| a.year.cmp(&b.year).then(a.name.cmp(&b.name)));

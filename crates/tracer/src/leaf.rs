@@ -135,7 +135,8 @@ fn test<M: Method, L: Lanes, const ANY: bool>(
     culling: Culling,
     found: impl FnOnce(L::Mask, Hit<L>),
 ) {
-    if const { M::INFO.forms.deferred() } {
+    // A method whose only published form divides first decides by numerators all the same, where it can.
+    if const { M::INFO.forms.deferred() || (ANY && !M::INFO.always_divides) } {
         in_form::<M, L, Deferred<TrueDivision, false>, ANY>(
             ray, triangle, interval, culling, found,
         );

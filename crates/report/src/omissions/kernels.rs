@@ -44,13 +44,15 @@ impl Times {
     }
 }
 
-/// Of every method, what is gained where only whether there is a hit is asked for, and what follows.
+/// Of every method, what is gained where only whether there is a hit is asked for, and what follows; nothing
+/// where no method was timed.
 pub(crate) fn page(view: &View) -> String {
     let lanes = view.throughput.keys().filter(|v| v.precision == "f32" && v.arithmetic == "fused");
     let width = lanes.map(|v| v.width).max().unwrap_or(1);
     let mut table = Table::new(&["method", "numerators", "quotients", "fastest"]);
     let (mut gains, mut divide) = (Vec::new(), 0);
-    for name in view.facts.iter().map(|facts| facts.name.as_str()) {
+    let is_timed = |name: &&str| view.throughput.keys().any(|v| v.method == *name);
+    for name in view.facts.iter().map(|facts| facts.name.as_str()).filter(is_timed) {
         let [deferred, early, either] = [Some("deferred"), Some("early"), None]
             .map(|division| Times::of(view, name, width, division));
         let columns = [&deferred, &early, &either].map(|times| or_dash(times.gain(), ratio));
@@ -60,6 +62,9 @@ pub(crate) fn page(view: &View) -> String {
     }
     gains.sort_by(f64::total_cmp);
     let mut text = String::new();
+    if table.rows.is_empty() {
+        return text;
+    }
     if let (Some(least), Some(most)) = (gains.first(), gains.last()) {
         // Writing to a string cannot fail.
         let _ = writeln!(

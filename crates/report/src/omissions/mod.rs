@@ -1,0 +1,86 @@
+//! What is gained by leaving out what nobody asks for: from the comparison of kernels, and from the study.
+
+mod figures;
+pub(crate) mod kernels;
+pub(crate) mod markdown;
+mod summary;
+
+use std::path::Path;
+
+use trisect_harness::record::{Layer, Omission, Records};
+
+pub use summary::{OmissionKind, OmissionSummary, TimedOmission, omission_summary};
+
+use crate::page::{OMISSIONS_PAGE, Page, PageError, Study, Titled, write_study};
+use crate::stats::geometric_mean;
+use crate::view::View;
+
+/// Where things are left out, and how that is called.
+const LAYERS: [(Layer, &str); 3] =
+    [(Layer::Kernel, "kernels"), (Layer::Tracer, "tracer"), (Layer::Picture, "pictures")];
+
+/// What was left out in one place, in the record's order.
+fn of_layer<'a>(view: &View<'a>, layer: Layer) -> impl Iterator<Item = &'a Omission> {
+    view.omissions.iter().copied().filter(move |omission| omission.layer == layer)
+}
+
+/// What some things have in common, each once, in the order in which they come.
+fn distinct<'a>(
+    omissions: impl Iterator<Item = &'a Omission>,
+    of: fn(&Omission) -> &str,
+) -> Vec<&'a str> {
+    let mut all = Vec::new();
+    for name in omissions.map(of) {
+        if !all.contains(&name) {
+            all.push(name);
+        }
+    }
+    all
+}
+
+/// The part, or for kernels, of which all leave out the same, the form of the division.
+fn kind(omission: &Omission) -> &str {
+    match omission.layer {
+        Layer::Kernel => &omission.of,
+        Layer::Tracer | Layer::Picture => &omission.part,
+    }
+}
+
+/// Of each kind that is left out in a place, how many times as long it takes with it: every one, and their
+/// geometric mean.
+fn ratios<'a>(view: &View<'a>, layer: Layer) -> Vec<(&'a str, Vec<f64>, f64)> {
+    let kinds = distinct(of_layer(view, layer), kind);
+    let of_kind = |name| {
+        let mine = of_layer(view, layer).filter(|omission| kind(omission) == name);
+        let ratios: Vec<f64> = mine.filter_map(|omission| Some(omission.ratio()?.0)).collect();
+        let mean = geometric_mean(ratios.iter().copied())?;
+        Some((name, ratios, mean))
+    };
+    kinds.into_iter().filter_map(of_kind).collect()
+}
+
+/// Draws the page of the study of omissions and its figures into a folder, beside the other pages of the
+/// report: it leads there, and they lead here when they are drawn again.
+///
+/// # Errors
+/// As [`write_page`](crate::write_page).
+pub fn write_omissions_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
+    let view = View::new(records);
+    let table = |id, title, says: &'static str, table| {
+        let says = says.into();
+        Titled { id, title, says, table }
+    };
+    let study = Study {
+        page: OMISSIONS_PAGE,
+        title: "What is gained by leaving out what nobody asks for",
+        heading: "What is left out",
+        findings: markdown::all_findings(&view),
+        tables: vec![
+            table("kernels", "Kernels", markdown::KERNELS, markdown::kernels(&view)),
+            table("tracer", "Tracer", markdown::TRACER, markdown::tracer(&view)),
+            table("pictures", "Pictures", markdown::PICTURES, markdown::pictures(&view)),
+        ],
+        pictures: Vec::new(),
+    };
+    write_study(&view, folder, figures::all(&view), study)
+}
