@@ -43,7 +43,7 @@ struct Flight<'a> {
 impl<'a> Flight<'a> {
     /// Puts the next of the rays that are left at the root; whether there is one.
     #[inline(always)]
-    fn launch<L: Lanes<Elem = f32>, const ROBUST: bool>(
+    fn launch<L: Lanes<Elem = f32>, const ANY: bool, const ROBUST: bool>(
         &mut self,
         token: L::Token,
         rows: &Rows,
@@ -57,12 +57,12 @@ impl<'a> Flight<'a> {
         *left &= *left - 1;
         self.waiting.clear();
         self.number = 0;
-        self.visit::<L, ROBUST>(token, rows, root);
+        self.visit::<L, ANY, ROBUST>(token, rows, root);
         true
     }
 
     #[inline(always)]
-    fn visit<L: Lanes<Elem = f32>, const ROBUST: bool>(
+    fn visit<L: Lanes<Elem = f32>, const ANY: bool, const ROBUST: bool>(
         &mut self,
         token: L::Token,
         rows: &Rows,
@@ -70,7 +70,9 @@ impl<'a> Flight<'a> {
     ) {
         let slabs = rows.slabs::<L>(token, self.place);
         let interval = rows.interval::<L>(token, self.place);
-        self.node = node;
+        if !ANY {
+            self.node = node;
+        }
         self.met = 0;
         let mut lane = 0;
         while lane < WIDTH {
@@ -78,7 +80,9 @@ impl<'a> Flight<'a> {
             let to = node.planes::<L>(token, [1; 3], lane);
             let (from, to) = slabs.cross_either_way::<ROBUST>(from, to, interval);
             self.met |= L::bits(from.le(to)) << lane;
-            from.store(&mut self.distances[lane..]);
+            if !ANY {
+                from.store(&mut self.distances[lane..]);
+            }
             lane += L::N;
         }
     }
@@ -140,7 +144,7 @@ impl<'a> Flight<'a> {
                 if ANY {
                     self.number = at;
                 }
-                self.visit::<L, ROBUST>(token, rows, &bvh.nodes[at]);
+                self.visit::<L, ANY, ROBUST>(token, rows, &bvh.nodes[at]);
             }
             Child::Leaf(first, count) => {
                 self.met = 0;
@@ -189,7 +193,7 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
         let mut left = take_in::<L, ROBUST>(&mut rows, token, rays);
         let mut count = 0;
         while count < const { in_flight(ANY) }
-            && flights[count].launch::<L, ROBUST>(token, &rows, root, &mut left)
+            && flights[count].launch::<L, ANY, ROBUST>(token, &rows, root, &mut left)
         {
             count += 1;
         }
@@ -197,7 +201,7 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
         while count > 0 {
             let flight = &mut flights[at % MOST_IN_FLIGHT];
             if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, &mut rows)
-                && !flight.launch::<L, ROBUST>(token, &rows, root, &mut left)
+                && !flight.launch::<L, ANY, ROBUST>(token, &rows, root, &mut left)
             {
                 count -= 1;
                 // The last one takes its place, and its turn.
@@ -210,11 +214,15 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
             at += 1;
             at = select_unpredictable(at == count, 0, at);
         }
-        if const { M::INFO.claims.exact && !ANY } {
-            arrive(bvh, &mut rows);
-        }
-        for (found, best) in found.iter_mut().zip(&rows.best) {
-            *found = T::of(best);
+        if ANY {
+            give_out(&rows, found);
+        } else {
+            if const { M::INFO.claims.exact } {
+                arrive(bvh, &mut rows);
+            }
+            for (found, best) in found.iter_mut().zip(&rows.best) {
+                *found = T::of(best);
+            }
         }
     }
 }
@@ -231,6 +239,14 @@ fn take_in<L: Lanes<Elem = f32>, const ROBUST: bool>(
         #[inline(always)]
         || rows.fill::<L, ROBUST>(token, rays.iter()),
     )
+}
+
+/// Writes down whether rays have found anything. Out of line likewise.
+#[inline(never)]
+fn give_out<T: Found>(rows: &Rows, found: &mut [T]) {
+    for (found, best) in found.iter_mut().zip(&rows.best) {
+        *found = T::of(best);
+    }
 }
 
 /// The child to visit next, the nearest of those that are met. The others wait, the nearer above the
