@@ -89,7 +89,8 @@ fn a_page_shows_figure_and_tables_and_leads_to_the_others() {
         "id=\"omissions-costs\"",
         "1 of them are faster without",
         "from 0.99× (plucker) to 1.20× (wald)",
-        "compiled 17 times",
+        "17 of the renderer",
+        "146 KiB of machine code",
         "1.25× (1.25–1.31)",
         "needed",
     ] {
