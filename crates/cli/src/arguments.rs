@@ -274,7 +274,7 @@ pub(crate) struct Omissions {
     /// Seed of every random choice
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Fewer rays, pixels and samples: half a minute instead of three
+    /// Fewer rays, pixels and samples: seconds instead of half a minute
     #[arg(long)]
     pub quick: bool,
     /// Divide the sides of all pictures, and the number of tests, for a trial

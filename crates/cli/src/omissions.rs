@@ -20,7 +20,7 @@ struct Size {
 }
 
 const QUICK: Size = Size { rounds: 11, tests: 256, pixels: 128, picture: [160, 120] };
-const FULL: Size = Size { rounds: 31, tests: 512, pixels: 256, picture: [320, 240] };
+const FULL: Size = Size { rounds: 51, tests: 512, pixels: 256, picture: [320, 240] };
 
 /// Studies, prints the summary, and adds page and record to the report.
 pub(crate) fn run(arguments: &Omissions) -> Result<()> {

@@ -4,7 +4,7 @@ mod common;
 
 use common::{answers, brute_force, rays_of, traced, tree_by};
 use trisect_core::{Culling, Method, Ray, Triangle, Vec3};
-use trisect_moller_trumbore::MollerTrumbore;
+use trisect_moller_trumbore::{MollerTrumbore, PublishedOrder};
 use trisect_oracle::Oracle;
 use trisect_tracer::{
     Builder, Bvh, EveryTriangle, ScalarBvh, Statistics, Tracing, Tree, TriangleHit,
@@ -50,6 +50,26 @@ fn one_at_a_time_and_without_a_tree_the_answers_are_the_same() {
         .collect();
     check::<MollerTrumbore>(&triangles, &rays);
     check::<Wald>(&triangles, &rays);
+}
+
+/// A method whose published form divides first decides by numerators where any hit will do: they round
+/// otherwise, but hardly ever to another decision.
+#[test]
+fn any_hit_is_decided_by_numerators_alike() {
+    type Order1 = PublishedOrder<1>;
+    assert!(!<Order1 as Method>::INFO.forms.deferred(), "another method is to be tested");
+    let bunny = Mesh::bunny();
+    let tree = tree::<Order1>(&bunny.triangles);
+    let rays = rays_of(&bunny);
+    let mut closest = vec![None; rays.len()];
+    tree.closest(Tracing::Single, Culling::None, &rays, &mut closest);
+    for tracing in [Tracing::Single, Tracing::Packets] {
+        let mut any = vec![false; rays.len()];
+        tree.any(tracing, Culling::None, &rays, &mut any);
+        assert!(any.iter().filter(|hit| **hit).count() > 100);
+        let differ = closest.iter().zip(&any).filter(|(hit, any)| hit.is_some() != **any).count();
+        assert!(differ <= 1 + rays.len() / 500, "{tracing:?}: {differ} of {}", rays.len());
+    }
 }
 
 /// Along axes, through lattice points: rays that lie in the sides of boxes.

@@ -7,7 +7,7 @@ use super::{Study, Subject, in_turn};
 use crate::measure::{Group, contenders};
 use crate::record::{Family, Layer, Omission};
 use crate::subject;
-use crate::timing::WrongAnswer;
+use crate::timing::{Contender, WrongAnswer};
 
 /// What whoever asks no more than whether there is a hit does without: `t`, barycentrics, and the division.
 const VALUES: &str = "values";
@@ -54,7 +54,7 @@ impl Study<'_> {
                         vec![(VALUES, with)],
                         self.settings.rounds,
                         &mut self.random,
-                        |contender| contender.run(),
+                        Contender::run,
                     )?;
                     found.extend(raced.omissions);
                 }

@@ -106,13 +106,15 @@ impl Study<'_> {
         let mut scenes: Vec<(String, Scene)> = Vec::new();
         for (path, _) in SHIPPED {
             let name = path.rsplit('/').next().unwrap_or(path);
-            if name.ends_with(".toml") {
-                scenes.push((name.to_owned(), shipped.load(path)));
-            } else if name.ends_with(".ply") {
-                let smooth = shipped.load(path);
-                let mut flat = smooth.clone();
-                flat.instances.iter_mut().for_each(|instance| instance.smooth = false);
-                scenes.extend([(name.to_owned(), smooth), (format!("{name}, flat"), flat)]);
+            match name.rsplit_once('.') {
+                Some((_, "toml")) => scenes.push((name.to_owned(), shipped.load(path))),
+                Some((_, "ply")) => {
+                    let smooth = shipped.load(path);
+                    let mut flat = smooth.clone();
+                    flat.instances.iter_mut().for_each(|instance| instance.smooth = false);
+                    scenes.extend([(name.to_owned(), smooth), (format!("{name}, flat"), flat)]);
+                }
+                _ => {}
             }
         }
         let mut found = Vec::new();

@@ -10,9 +10,6 @@ use crate::markdown::{Table, measured, part};
 use crate::page::Finding;
 use crate::view::View;
 
-/// All parts together, which stand behind each of them.
-const EVERYTHING: &str = "everything";
-
 /// What was found, in words; nothing where nothing was studied.
 pub(crate) fn findings(view: &View) -> String {
     let mut text = String::new();
@@ -61,7 +58,8 @@ pub(super) fn all_findings(view: &View) -> Vec<Finding> {
         all.push(finding(&about, format!("{} the time", ratio(mean)), how));
     }
     for code in &view.code {
-        all.push(finding("Instances", code_says(code), "read from the program itself".to_owned()));
+        let says = format!("{} of the {}", code.instances, code.of);
+        all.push(finding("Instances", says, format!("{}, read from itself", code_says(code))));
     }
     all
 }
@@ -103,12 +101,9 @@ fn ends(view: &View, layer: Layer, name: &str) -> String {
 
 /// How much code there is of what is compiled several times.
 pub(super) fn code_says(code: &Code) -> String {
-    let Code { of, instances, bytes: own, of_bytes } = code;
-    format!(
-        "the {of} is compiled {instances} times, {} of machine code of the program's {}",
-        bytes(*own as f64),
-        bytes(*of_bytes as f64)
-    )
+    let Code { bytes: own, of_bytes, .. } = code;
+    let (own, all) = (bytes(*own as f64), bytes(*of_bytes as f64));
+    format!("{own} of machine code, of the program's {all}")
 }
 
 fn row_name(omission: &Omission) -> String {
@@ -143,8 +138,7 @@ pub(crate) const KERNELS: &str = "Time of the fullest hit over that of whether t
 
 /// A row per scene and what is done with it, a column per part.
 fn cross(view: &View, layer: Layer, first: &str, needed: &str) -> Table {
-    let mut parts = distinct(of_layer(view, layer), |omission| &omission.part);
-    parts.sort_by_key(|part| *part == EVERYTHING);
+    let parts = distinct(of_layer(view, layer), |omission| &omission.part);
     let mut table = Table::new(&[&[first], &parts[..]].concat());
     let mut names: Vec<String> = Vec::new();
     for name in of_layer(view, layer).map(row_name) {

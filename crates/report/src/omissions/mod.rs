@@ -24,6 +24,9 @@ fn of_layer<'a>(view: &View<'a>, layer: Layer) -> impl Iterator<Item = &'a Omiss
     view.omissions.iter().copied().filter(move |omission| omission.layer == layer)
 }
 
+/// All parts together, which stand behind each of them.
+const EVERYTHING: &str = "everything";
+
 /// What some things have in common, each once, in the order in which they come.
 fn distinct<'a>(
     omissions: impl Iterator<Item = &'a Omission>,
@@ -35,6 +38,7 @@ fn distinct<'a>(
             all.push(name);
         }
     }
+    all.sort_by_key(|name| *name == EVERYTHING);
     all
 }
 

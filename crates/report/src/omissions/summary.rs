@@ -95,7 +95,9 @@ impl OmissionSummary {
         out.push_str(&table.render(width));
         for code in &self.code {
             out.push('\n');
-            out.push_str(&wrap(&super::markdown::code_says(code), width, ""));
+            let says = super::markdown::code_says(code);
+            let Code { of, instances, .. } = code;
+            out.push_str(&wrap(&format!("Instances of the {of}: {instances}, {says}"), width, ""));
         }
         out
     }
