@@ -37,6 +37,7 @@ pub(crate) fn run(arguments: &Recommend) -> Result<()> {
         max_error: arguments.max_error,
         watertight: arguments.watertight,
         in_tracer: false,
+        beside: None,
         time: Duration::from_secs_f64(arguments.seconds),
         exhaustive: arguments.exhaustive,
     };

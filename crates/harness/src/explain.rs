@@ -52,7 +52,7 @@ pub struct Explanation {
 /// When a part that is put back changes the picture.
 ///
 /// # Panics
-/// As [`Renderer::render`].
+/// As [`trisect_render::Renderer::render`].
 pub fn explain(
     stage: &Stage,
     settings: &Settings,

@@ -41,6 +41,8 @@ pub struct RecommendSettings {
     pub watertight: bool,
     /// Whether kernels must do what a tracer does at a leaf, see [`record::Variant::is_as_in_a_tracer`].
     pub in_tracer: bool,
+    /// A method whose fastest kernel stays in the race to the end, to see how far it is behind.
+    pub beside: Option<&'static str>,
     /// How long kernels race.
     pub time: Duration,
     /// Whether all of them are measured as well, to see how good the choice is.
@@ -185,7 +187,7 @@ pub fn recommend(
         });
     }
     let candidates = racing.len();
-    race(&mut racing, settings.time, &mut random, progress)?;
+    race(&mut racing, settings, &mut random, progress)?;
 
     let tests = (timed_rays * subject.triangles32.len()) as f64;
     let candidate = |(group, contender): &Racer<'_>| {
@@ -390,14 +392,14 @@ fn sample(triangles: &[Triangle<f32>], rays: &[Ray<f32>], random: &mut Pcg64) ->
 /// halving.
 fn race(
     racing: &mut Vec<Racer<'_>>,
-    time: Duration,
+    settings: &RecommendSettings,
     random: &mut Pcg64,
     progress: &mut dyn Progress,
 ) -> Result<(), WrongAnswer> {
     /// Samples that even the slowest is worth: one alone may have been interrupted.
     const FEWEST: usize = 3;
     let halvings = (racing.len() as f64 / FINALISTS as f64).log2().ceil().max(0.0);
-    let part = time.as_nanos() as f64 / (halvings + 1.0);
+    let part = settings.time.as_nanos() as f64 / (halvings + 1.0);
     loop {
         let is_last = racing.len() <= FINALISTS;
         progress.phase(&format!("timing {} kernels", racing.len()), 1);
@@ -417,7 +419,12 @@ fn race(
         if is_last {
             return Ok(());
         }
-        racing.truncate((racing.len() / 2).max(FINALISTS));
+        let stay = (racing.len() / 2).max(FINALISTS);
+        let beside = racing.iter().position(|(group, _)| Some(group.method) == settings.beside);
+        if let Some(place) = beside.filter(|&place| place >= stay) {
+            racing.swap(place, stay - 1);
+        }
+        racing.truncate(stay);
     }
 }
 
