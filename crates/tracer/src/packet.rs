@@ -132,7 +132,7 @@ pub(crate) fn in_packets<L, T, const ROBUST: bool>(
             while start < rays.len() {
                 let part = start..rays.len().min(start + RAYS);
                 let mut left = if numbers.is_empty() {
-                    rows.fill::<L, ROBUST>(token, rays[part.clone()].iter())
+                    rows.fill::<L, ROBUST>(token, rays[part.clone()].iter(), false)
                 } else {
                     let numbers = numbers[part.clone()].iter();
                     rows.fill::<L, ROBUST>(
@@ -141,6 +141,7 @@ pub(crate) fn in_packets<L, T, const ROBUST: bool>(
                             #[inline(always)]
                             |&number| &rays[number as usize],
                         ),
+                        false,
                     )
                 };
                 while left != 0 {

@@ -19,8 +19,7 @@ type Row = [f32; RAYS];
 /// Rays, what their tests of boxes need, and what they have found.
 #[repr(align(64))]
 pub(crate) struct Rows {
-    /// Origins and directions together, for who takes one ray: numbers of several rows would be gathered,
-    /// which takes longer than all else in a leaf.
+    /// Origins and directions together, where they are [kept so](Rows::fill).
     lines: [Line; RAYS],
     o: [Row; 3],
     d: [Row; 3],
@@ -45,16 +44,20 @@ impl Rows {
     };
 
     /// Takes up to [`RAYS`] rays, whose interval is empty where they have nothing, so where they are
-    /// not finite. Those that have anything to find, in bits.
+    /// not finite. Those that have anything to find, in bits. With `lines` the numbers of a ray are kept
+    /// together as well, for [`line`](Rows::line).
     #[inline(always)]
     pub(crate) fn fill<'a, L: Lanes<Elem = f32>, const ROBUST: bool>(
         &mut self,
         token: L::Token,
         rays: impl ExactSizeIterator<Item = &'a Ray<f32>>,
+        lines: bool,
     ) -> u64 {
         let count = rays.len();
         for (place, ray) in rays.enumerate().take(RAYS) {
-            self.lines[place] = [ray.o, ray.d];
+            if lines {
+                self.lines[place] = [ray.o, ray.d];
+            }
             self.o[0][place] = ray.o.x;
             self.o[1][place] = ray.o.y;
             self.o[2][place] = ray.o.z;
@@ -91,6 +94,19 @@ impl Rows {
     /// A ray.
     #[inline(always)]
     pub(crate) fn ray(&self, place: usize) -> Ray<f32> {
+        let at = place % RAYS;
+        Ray {
+            o: Vec3::new(self.o[0][at], self.o[1][at], self.o[2][at]),
+            d: Vec3::new(self.d[0][at], self.d[1][at], self.d[2][at]),
+            tmin: self.tmin[at],
+            tmax: self.tmax[at],
+        }
+    }
+
+    /// A ray that is kept as a line: where much is computed with it, the compiler gathers its numbers from
+    /// rows, which takes longer than to read them here; where little is, it is not worth its keeping.
+    #[inline(always)]
+    pub(crate) fn line(&self, place: usize) -> Ray<f32> {
         let at = place % RAYS;
         let [o, d] = self.lines[at];
         Ray { o, d, tmin: self.tmin[at], tmax: self.tmax[at] }

@@ -149,7 +149,12 @@ impl<'a> Flight<'a> {
             Child::Leaf(first, count) => {
                 self.met = 0;
                 let blocks = first..first + count;
-                let (ray, best) = (rows.ray(self.place), &mut rows.best[self.place % RAYS]);
+                let ray = if const { M::INFO.claims.exact } {
+                    rows.line(self.place)
+                } else {
+                    rows.ray(self.place)
+                };
+                let best = &mut rows.best[self.place % RAYS];
                 test_leaf::<M, L, ANY>(token, blocks, Given { bvh, ray, culling }, best);
                 if best.is_hit() {
                     let tmax = end::<ANY, ROBUST>(best, ray.tmax);
@@ -190,7 +195,7 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
         waiting: Stack::new(parts.next().expect("each has its room")),
     });
     for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
-        let mut left = take_in::<L, ROBUST>(&mut rows, token, rays);
+        let mut left = take_in::<L, ROBUST>(&mut rows, token, rays, const { M::INFO.claims.exact });
         let mut count = 0;
         while count < const { in_flight(ANY) }
             && flights[count].launch::<L, ANY, ROBUST>(token, &rows, root, &mut left)
@@ -234,10 +239,11 @@ fn take_in<L: Lanes<Elem = f32>, const ROBUST: bool>(
     rows: &mut Rows,
     token: L::Token,
     rays: &[Ray<f32>],
+    lines: bool,
 ) -> u64 {
     token.run(
         #[inline(always)]
-        || rows.fill::<L, ROBUST>(token, rays.iter()),
+        || rows.fill::<L, ROBUST>(token, rays.iter(), lines),
     )
 }
 
