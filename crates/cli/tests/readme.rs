@@ -23,7 +23,7 @@ fn documents_show_what_trisect_prints() {
 #[test]
 fn documents_are_spliced_from_their_record() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = root.join("reports/2026-11-28-zen4");
+    let folder = root.join("reports/2026-11-28-zen5");
     for (record, documents) in [
         ("record.jsonl", &["README.md", "docs/HAVEL.md", "docs/NEEDS.md"][..]),
         ("stress.jsonl", &["docs/STABILITY.md", "docs/CONTRACT.md"]),
