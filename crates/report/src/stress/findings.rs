@@ -81,8 +81,11 @@ const NEEDS: [Need; 7] = [
     Need {
         says: "origins far from the triangle",
         keep: |study, row| study.is_near(row.distance, |row| row.distance),
-        guarantee: |_, row, _| {
-            format!("right up to {} sizes away", far(row.distance.unwrap_or_default()))
+        guarantee: |_, row, _| match row.distance.unwrap_or_default() {
+            distance if distance < ENDLESS => {
+                format!("right up to {} sizes away", magnitude(distance))
+            }
+            _ => "right at any distance".to_owned(),
         },
     },
     Need {
@@ -93,7 +96,11 @@ const NEEDS: [Need; 7] = [
         },
         guarantee: |study, row, _| {
             let level = study.thin_of(row).unwrap_or_default();
-            format!("right below a ratio of {}", level_text(level))
+            if level.is_finite() {
+                format!("right below a ratio of {}", level_text(level))
+            } else {
+                "right at any ratio".to_owned()
+            }
         },
     },
     Need {
@@ -311,15 +318,22 @@ impl Study<'_, '_> {
     }
 
     fn thin(&self) -> String {
-        let mut levels: Vec<f64> = self.rows().filter_map(|row| self.thin_of(row)).collect();
+        let levels = self.rows().filter_map(|row| self.thin_of(row));
+        let mut levels: Vec<f64> = levels.filter(|level| level.is_finite()).collect();
         levels.sort_by(f64::total_cmp);
         let (Some(&first), Some(&last)) = (levels.first(), levels.last()) else {
             return "**Thin triangles.** The record does not tell.".to_owned();
         };
         let at = |level: f64| self.names(|row| self.thin_of(row) == Some(level));
+        let is_endless = |row: &StressRow| self.thin_of(row) == Some(f64::INFINITY);
+        let endless = if self.rows().any(is_endless) {
+            format!(" At any ratio is right: {}.", self.names(is_endless))
+        } else {
+            String::new()
+        };
         format!(
             "**Thin triangles.** Answers are off by more than a thousandth from a ratio of edge to \
-             height of {} on ({}) to one of {} ({}). Stored planes lose their normal to the \
+             height of {} on ({}) to one of {} ({}).{endless} Stored planes lose their normal to the \
              cross product of long edges when they are prepared; methods that form volumes with \
              the ray's own direction do not. (Figure *Where each method first fails*.)",
             level_text(first),
