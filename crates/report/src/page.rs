@@ -145,6 +145,17 @@ pub(crate) struct Titled {
     pub(crate) table: Table,
 }
 
+impl Titled {
+    pub(crate) fn new(
+        id: &'static str,
+        title: &'static str,
+        says: impl Into<Cow<'static, str>>,
+        table: Table,
+    ) -> Self {
+        Self { id, title, says: says.into(), table }
+    }
+}
+
 #[derive(Serialize)]
 struct StudyContext<'a> {
     style: String,

@@ -70,19 +70,15 @@ fn ratios<'a>(view: &View<'a>, layer: Layer) -> Vec<(&'a str, Vec<f64>, f64)> {
 /// As [`write_page`](crate::write_page).
 pub fn write_omissions_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
     let view = View::new(records);
-    let table = |id, title, says: &'static str, table| {
-        let says = says.into();
-        Titled { id, title, says, table }
-    };
     let study = Study {
         page: OMISSIONS_PAGE,
         title: "What is gained by leaving out what nobody asks for",
         heading: "What is left out",
         findings: markdown::all_findings(&view),
         tables: vec![
-            table("kernels", "Kernels", markdown::KERNELS, markdown::kernels(&view)),
-            table("tracer", "Tracer", markdown::TRACER, markdown::tracer(&view)),
-            table("pictures", "Pictures", markdown::PICTURES, markdown::pictures(&view)),
+            Titled::new("kernels", "Kernels", markdown::KERNELS, markdown::kernels(&view)),
+            Titled::new("tracer", "Tracer", markdown::TRACER, markdown::tracer(&view)),
+            Titled::new("pictures", "Pictures", markdown::PICTURES, markdown::pictures(&view)),
         ],
         pictures: Vec::new(),
     };

@@ -32,7 +32,6 @@ fn speed(frames: &Frames) -> Option<f64> {
 /// As [`write_page`](crate::write_page).
 pub fn write_pictures_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
     let view = View::new(records);
-    let table = |id, title, says, table| Titled { id, title, says, table };
     let study = Study {
         page: PICTURES_PAGE,
         title: "Pictures, and what they cost",
@@ -40,17 +39,17 @@ pub fn write_pictures_page(records: &Records, folder: &Path) -> Result<Page, Pag
         findings: markdown::all_findings(&view),
         pictures: view.pictures.iter().copied().cloned().collect(),
         tables: vec![
-            table(
+            Titled::new(
                 "techniques",
                 "What each technique gains",
-                markdown::techniques_say(&view).into(),
+                markdown::techniques_say(&view),
                 markdown::techniques(&view),
             ),
-            table("sizes", "Sizes and levels", markdown::SIZES.into(), markdown::sizes(&view)),
-            table(
+            Titled::new("sizes", "Sizes and levels", markdown::SIZES, markdown::sizes(&view)),
+            Titled::new(
                 "series",
                 "One thing at a time",
-                markdown::one_at_a_time_says(&view).into(),
+                markdown::one_at_a_time_says(&view),
                 markdown::one_at_a_time(&view),
             ),
         ],

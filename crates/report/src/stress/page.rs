@@ -31,27 +31,23 @@ pub fn write_stress_page(records: &Records, folder: &Path) -> Result<Page, PageE
 }
 
 fn tables(view: &View) -> Vec<Titled> {
-    let table = |id, title, says: &'static str, table| {
-        let says = says.into();
-        Titled { id, title, says, table }
-    };
     let mut tables = vec![
-        table("f32", "All methods in f32", markdown::METHODS, markdown::methods(view, "f32")),
-        table("f64", "All methods in f64", markdown::METHODS, markdown::methods(view, "f64")),
-        table(
+        Titled::new("f32", "All methods in f32", markdown::METHODS, markdown::methods(view, "f32")),
+        Titled::new("f64", "All methods in f64", markdown::METHODS, markdown::methods(view, "f64")),
+        Titled::new(
             "watertight",
             "Watertight methods",
             "Rays aimed at the edges and corners of closed surfaces, in plain arithmetic and the \
              deferred form.",
             markdown::watertight(view),
         ),
-        table(
+        Titled::new(
             "first",
             "First failures in f32",
             "The levels that the map above shows as squares; a dot never fails.",
             markdown::first_failures(view, "f32"),
         ),
-        table(
+        Titled::new(
             "limits",
             "Limits",
             "Within these all probes are right to a thousandth, found by bisection: sizes of the \
@@ -59,15 +55,15 @@ fn tables(view: &View) -> Vec<Titled> {
              the offset over the triangle's size. Plain arithmetic.",
             markdown::limits(view),
         ),
-        table(
+        Titled::new(
             "contract",
             "The contract",
             "Hostile input, random bits among it, to every kernel of every method; what the \
              clauses say is in docs/CONTRACT.md.",
             markdown::contract(view),
         ),
-        table("special", "Special values", markdown::SPECIAL, markdown::special_values(view)),
-        table(
+        Titled::new("special", "Special values", markdown::SPECIAL, markdown::special_values(view)),
+        Titled::new(
             "arithmetic",
             "Flushing and fusing",
             markdown::ARITHMETIC,
@@ -76,10 +72,10 @@ fn tables(view: &View) -> Vec<Titled> {
     ];
     // Records of earlier schemas have neither.
     if !view.exactness.is_empty() {
-        tables.push(table("exact", "Exactness", exact::EXACTNESS, exact::exactness(view)));
+        tables.push(Titled::new("exact", "Exactness", exact::EXACTNESS, exact::exactness(view)));
     }
     if !view.stages.is_empty() {
-        tables.push(table("stages", "Stages", exact::STAGES, exact::stages(view)));
+        tables.push(Titled::new("stages", "Stages", exact::STAGES, exact::stages(view)));
     }
     tables
 }

@@ -15,24 +15,20 @@ use crate::view::View;
 /// As [`write_page`](crate::write_page).
 pub fn write_study_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
     let view = View::new(records);
-    let table = |id, title, says: &'static str, table| {
-        let says = says.into();
-        Titled { id, title, says, table }
-    };
     let study = Study {
         page: STUDY_PAGE,
         title: "Ray–triangle intersection in a ray tracer",
         heading: "In a ray tracer",
         findings: findings::findings(&view),
         tables: vec![
-            table("methods", "All methods", markdown::METHODS, markdown::methods(&view)),
-            table(
+            Titled::new("methods", "All methods", markdown::METHODS, markdown::methods(&view)),
+            Titled::new(
                 "trees",
                 "Builders, leaves, lanes, calls",
                 markdown::TREES,
                 markdown::trees(&view),
             ),
-            table("threads", "Threads", markdown::THREADS, markdown::threads(&view)),
+            Titled::new("threads", "Threads", markdown::THREADS, markdown::threads(&view)),
         ],
         pictures: Vec::new(),
     };
