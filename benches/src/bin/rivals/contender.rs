@@ -79,6 +79,23 @@ pub(crate) struct Resident {
     pub(crate) contender: Box<dyn Contender>,
 }
 
+impl Resident {
+    /// Has it answer some rays; how long that took.
+    fn answer(&mut self, rays: Range<usize>, any: bool) -> anyhow::Result<Duration> {
+        let Self { name, contender } = self;
+        contender.reset(rays.clone());
+        guarded(name, || {
+            let begin = Instant::now();
+            if any {
+                contender.any(rays);
+            } else {
+                contender.closest(rays);
+            }
+            begin.elapsed()
+        })
+    }
+}
+
 /// Bytes of the stack of a thread that builds: some builders go as deep as their trees, which have
 /// no bottom where all triangles are the same.
 const STACK: usize = 1 << 28;
@@ -100,9 +117,13 @@ pub(crate) fn timed<T: Send>(
     }))
 }
 
-/// Rays that one contender answers before it is the next one's turn: enough that the caches are its
-/// own for most of them, few enough that all meet the same weather.
-const SLICE: usize = 1 << 14;
+/// Rays that one contender answers before it is the next one's turn: few enough that all meet the same
+/// weather.
+const SLICE: usize = 1 << 16;
+
+/// Rays before them that it answers untimed, so that the caches are its own again, as they are where a
+/// program has one tree: the others' trees have just gone through them.
+const WARM_UP: usize = 1 << 14;
 
 /// Builds every tree `times` times, in turn.
 pub(crate) fn build(
@@ -168,6 +189,12 @@ pub(crate) fn quiet_guarded_panics() {
     }));
 }
 
+/// The rays before a slice that are answered untimed: before the first one, the last of all.
+fn before(slice: &Range<usize>, rays: usize) -> Range<usize> {
+    let end = if slice.start == 0 { rays } else { slice.start };
+    end.saturating_sub(WARM_UP)..end
+}
+
 /// Times of each contender over all rays, one for each repetition.
 pub(crate) fn race(
     residents: &mut [Resident],
@@ -187,17 +214,9 @@ pub(crate) fn race(
             let slice = start..rays.len().min(start + SLICE);
             order.shuffle(random);
             for &place in &order {
-                let Resident { name, contender } = &mut residents[place];
-                contender.reset(slice.clone());
-                let time = guarded(name, || {
-                    let begin = Instant::now();
-                    if any {
-                        contender.any(slice.clone());
-                    } else {
-                        contender.closest(slice.clone());
-                    }
-                    begin.elapsed()
-                })?;
+                let resident = &mut residents[place];
+                resident.answer(before(&slice, rays.len()), any)?;
+                let time = resident.answer(slice.clone(), any)?;
                 if let Some(counted) = round.checked_sub(1) {
                     times[place][counted] += time;
                 }
