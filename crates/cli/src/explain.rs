@@ -162,7 +162,7 @@ impl Report {
 
     /// What there is in the scene of a part of the renderer.
     fn there_is(&self, part: &str) -> String {
-        let Explanation { shapes, varying, lights, onward, .. } = self.found;
+        let Explanation { shapes, varying, lights, onward, samples, .. } = self.found;
         match part {
             "shapes" => {
                 let [spheres, planes, carried, trees] = shapes;
@@ -174,6 +174,8 @@ impl Report {
             }
             "shadows" => format!("lights {lights}"),
             "onward" => format!("mirrors {}, clear materials {}", onward[0], onward[1]),
+            "samples" => format!("samples of a pixel {samples}"),
+            "transparency" => format!("clear materials {}, lights {lights}", onward[1]),
             _ => "all of that together".to_owned(),
         }
     }
@@ -193,7 +195,7 @@ impl Report {
              lanes    {} of f32 on {}, the best for eight triangles here\n\
              division {}, as a leaf has it; shadow rays get no t, no barycentrics\n\
              kernel   {}\n         {}\n\n\
-             part        in the scene                             costs\n",
+             part         in the scene                             costs\n",
             self.scene,
             self.trees,
             self.triangles,
@@ -214,7 +216,7 @@ impl Report {
                 }
                 _ => "needed".to_owned(),
             };
-            writeln!(out, "{part:<11} {:<40} {costs}", self.there_is(part))?;
+            writeln!(out, "{part:<12} {:<40} {costs}", self.there_is(part))?;
         }
         writeln!(
             out,

@@ -34,6 +34,8 @@ pub struct Explanation {
     pub varying: [usize; 2],
     /// Lights.
     pub lights: usize,
+    /// Samples of each pixel, the first ones where there may be more.
+    pub samples: u32,
     /// Materials that are mirrors, and clear ones.
     pub onward: [usize; 2],
     /// Every part, and everything that is left out together.
@@ -98,6 +100,7 @@ pub fn explain(
         shapes: [spheres, planes, carried, trees],
         varying: [textured, interpolated],
         lights: lights.min(settings.lights),
+        samples: settings.sampling.count(),
         onward: [mirrors, clear],
         omissions,
         rounds,

@@ -418,16 +418,7 @@ pub(crate) fn contenders<'a>(
     subject: &Subject,
 ) -> Vec<(&'a Group, Contender<'a>)> {
     let of_group = |group: &'a Group| {
-        group.timed.iter().map(move |&kernel| {
-            let contender = Contender {
-                kernel,
-                scene: &group.scene,
-                expected: group.expected(kernel, subject),
-                samples_ns: Vec::new(),
-                tally: None,
-            };
-            (group, contender)
-        })
+        group.timed.iter().map(move |&kernel| (group, group.contender(kernel, subject)))
     };
     groups.iter().flat_map(of_group).collect()
 }
@@ -455,6 +446,22 @@ impl Group {
             scene,
             timed,
             answers,
+        }
+    }
+
+    /// Its kernels, those that serve its rays.
+    pub(crate) fn kernels(&self) -> impl Iterator<Item = &'static Kernel> + '_ {
+        self.timed.iter().copied()
+    }
+
+    /// A kernel of it, ready to be timed.
+    pub(crate) fn contender(&self, kernel: &'static Kernel, subject: &Subject) -> Contender<'_> {
+        Contender {
+            kernel,
+            scene: &self.scene,
+            expected: self.expected(kernel, subject),
+            samples_ns: Vec::new(),
+            tally: None,
         }
     }
 

@@ -1,7 +1,8 @@
 //! What a picture needs of the renderer, found once; what it does not need is not in the code that draws it.
 //!
 //! Features that are asked about at the same place go together, so that there are few instances: one for
-//! each set of four [`Part`]s, and one that traces paths, with everything.
+//! each set of four [`Part`]s, and one that traces paths, with everything. What is done once for thousands of
+//! rays is asked about there, and multiplies nothing.
 
 use std::ops::{BitOr, BitOrAssign};
 
@@ -22,11 +23,20 @@ pub enum Part {
     Shadows,
     /// Rays for mirrors and glass.
     Onward,
+    /// Several samples of a pixel, or one that is not in its middle.
+    Samples,
+    /// Light that goes through what is clear on its way to a surface.
+    Transparency,
 }
 
 impl Part {
+    /// Those that the renderer is compiled with and without.
+    pub const COMPILED: [Self; 4] = [Self::Shapes, Self::Varying, Self::Shadows, Self::Onward];
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Shapes, Self::Varying, Self::Shadows, Self::Onward];
+    pub const ALL: [Self; 6] = {
+        let [a, b, c, d] = Self::COMPILED;
+        [a, b, c, d, Self::Samples, Self::Transparency]
+    };
 
     /// The name used in lists and records.
     pub const fn name(self) -> &'static str {
@@ -35,6 +45,8 @@ impl Part {
             Self::Varying => "varying",
             Self::Shadows => "shadows",
             Self::Onward => "onward",
+            Self::Samples => "samples",
+            Self::Transparency => "transparency",
         }
     }
 }
@@ -47,7 +59,7 @@ impl Parts {
     /// None.
     pub const NONE: Self = Self(0);
     /// All of them.
-    pub const ALL: Self = Self(0b1111);
+    pub const ALL: Self = Self((1 << Part::ALL.len()) - 1);
 
     /// Whether a part is among them.
     pub const fn has(self, part: Part) -> bool {
@@ -137,15 +149,18 @@ impl Facts {
 
     /// What a picture of the scene needs.
     pub fn needs(&self, settings: &Settings) -> Parts {
-        if settings.mode == Mode::Paths {
-            return Parts::ALL;
-        }
+        let is_paths = settings.mode == Mode::Paths;
         let occludes = matches!(settings.mode, Mode::Whitted { occlusion: Some(_) });
+        let has_shapes = self.spheres + self.planes + self.carried > 0 || self.trees > 1;
+        let has_shadows = is_paths || occludes || self.lights.min(settings.lights) > 0;
+        let goes_onward = settings.depth > 0 && self.mirrors + self.clear > 0;
         [
-            (Part::Shapes, self.spheres + self.planes + self.carried > 0 || self.trees > 1),
-            (Part::Varying, self.interpolated + self.textured > 0),
-            (Part::Shadows, occludes || self.lights.min(settings.lights) > 0),
-            (Part::Onward, settings.depth > 0 && self.mirrors + self.clear > 0),
+            (Part::Shapes, is_paths || has_shapes),
+            (Part::Varying, is_paths || self.interpolated + self.textured > 0),
+            (Part::Shadows, has_shadows),
+            (Part::Onward, is_paths || goes_onward),
+            (Part::Samples, is_paths || !settings.sampling.is_middle()),
+            (Part::Transparency, has_shadows && self.clear > 0),
         ]
         .into_iter()
         .filter_map(|(part, is_needed)| is_needed.then_some(part))

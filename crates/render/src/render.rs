@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use trisect_scene::{Camera, Color, Lens};
 
 use crate::image::Image;
-use crate::needs::{self, Facts, Job, Needs, Parts, Paths};
+use crate::needs::{self, Facts, Job, Needs, Part, Parts, Paths};
 use crate::random::{Random, on_disc};
-use crate::sampling::{CONTRAST, Sampling};
+use crate::sampling::CONTRAST;
 use crate::settings::{Mode, Settings};
 use crate::stage::Stage;
 use crate::wave::{Counts, Wave, ray};
@@ -90,6 +90,11 @@ impl<'s> Renderer<'s> {
         *lock(&self.counts)
     }
 
+    /// What a picture is made with.
+    fn parts(&self, settings: &Settings) -> Parts {
+        self.facts.needs(settings) | self.kept
+    }
+
     /// Makes a picture.
     ///
     /// # Errors
@@ -108,8 +113,9 @@ impl<'s> Renderer<'s> {
             return Ok(image);
         }
         let stage = self.stage;
-        let parts = self.facts.needs(settings) | self.kept;
-        needs::with(parts, Drawing { renderer: self, stage, settings, watch, image: &mut image })?;
+        let parts = self.parts(settings);
+        let image_of = &mut image;
+        needs::with(parts, Drawing { renderer: self, stage, settings, parts, watch, image: image_of })?;
         Ok(image)
     }
 
@@ -129,13 +135,13 @@ impl<'s> Renderer<'s> {
         watch: &Watch<'_>,
     ) -> Result<(), Interrupted> {
         assert!(image.size == settings.size, "the image has another size");
-        let stage = self.stage;
+        let (stage, parts) = (self.stage, self.parts(settings));
         let mut brought = std::mem::replace(&mut self.brought, Image::black([0, 0]));
         if brought.size != settings.size {
             brought = Image::black(settings.size);
         }
         let done = self.pass(settings, watch, &mut brought, |wave, tile, out| {
-            stage.draw_paths(settings, sample, wave, tile, out, watch);
+            stage.draw_paths((settings, parts), sample, wave, tile, out, watch);
         });
         if done.is_ok() {
             image
@@ -209,6 +215,7 @@ struct Drawing<'a, 's> {
     renderer: &'a Renderer<'s>,
     stage: &'s Stage,
     settings: &'a Settings,
+    parts: Parts,
     watch: &'a Watch<'a>,
     image: &'a mut Image,
 }
@@ -216,9 +223,9 @@ struct Drawing<'a, 's> {
 impl Job for Drawing<'_, '_> {
     type Output = Result<(), Interrupted>;
     fn run<N: Needs>(self) -> Self::Output {
-        let Self { renderer, stage, settings, watch, image } = self;
+        let Self { renderer, stage, settings, parts, watch, image } = self;
         renderer.pass(settings, watch, image, |wave, tile, out| {
-            stage.draw::<N>(settings, wave, tile, out, watch);
+            stage.draw::<N>((settings, parts), wave, tile, out, watch);
         })
     }
 }
@@ -228,7 +235,7 @@ impl Stage {
     #[inline(never)]
     fn draw<N: Needs>(
         &self,
-        settings: &Settings,
+        (settings, parts): (&Settings, Parts),
         wave: &mut Wave,
         tile: Tile,
         out: &mut [Color],
@@ -243,10 +250,10 @@ impl Stage {
         let batch = u32::try_from((BATCH / first).max(1)).expect("it is small");
         for start in (0..pixels).step_by(batch as usize) {
             let end = pixels.min(start + batch);
-            eye.look_at::<N>(wave, tile, start..end);
-            let radiance = wave.follow::<N>(self, settings, watch.stop);
+            eye.look_at::<N>(parts, wave, tile, start..end);
+            let radiance = wave.follow::<N>(self, settings, parts, watch.stop);
             let out = &mut out[start as usize..end as usize];
-            if first == 1 {
+            if !parts.has(Part::Samples) {
                 out.copy_from_slice(radiance);
                 continue;
             }
@@ -263,7 +270,7 @@ impl Stage {
                 let samples = sampling.count()..sampling.count() + sampling.more();
                 eye.look::<N>(wave, tile.pixel(pixel), samples);
             }
-            let radiance = wave.follow::<N>(self, settings, watch.stop);
+            let radiance = wave.follow::<N>(self, settings, parts, watch.stop);
             for (&pixel, samples) in pixels.iter().zip(radiance.chunks_exact(more)) {
                 let few = out[pixel as usize];
                 let share = more as f32 / (first + more) as f32;
@@ -276,7 +283,7 @@ impl Stage {
     #[inline(never)]
     fn draw_paths(
         &self,
-        settings: &Settings,
+        (settings, parts): (&Settings, Parts),
         sample: u32,
         wave: &mut Wave,
         tile: Tile,
@@ -290,7 +297,7 @@ impl Stage {
             for &pixel in pixels {
                 eye.look::<Paths>(wave, tile.pixel(pixel), sample..sample + 1);
             }
-            let radiance = wave.follow::<Paths>(self, settings, watch.stop);
+            let radiance = wave.follow::<Paths>(self, settings, parts, watch.stop);
             for (&pixel, color) in pixels.iter().zip(radiance) {
                 out[pixel as usize] = *color;
             }
@@ -343,10 +350,8 @@ impl<'a> Eye<'a> {
     }
 
     /// Sends the rays of the first samples of some pixels of a tile, and no others.
-    fn look_at<N: Needs>(&self, wave: &mut Wave, tile: Tile, pixels: Range<u32>) {
-        let Settings { sampling, mode, .. } = self.settings;
-        let is_straight = matches!(mode, Mode::Whitted { .. })
-            && matches!(sampling, Sampling::Grid(1) | Sampling::Circle(1));
+    fn look_at<N: Needs>(&self, parts: Parts, wave: &mut Wave, tile: Tile, pixels: Range<u32>) {
+        let is_straight = !parts.has(Part::Samples);
         // A loop for each lens: the compiler computes several rays at a time, and would compute those of all
         // lenses, of numbers that are not there.
         match self.camera.lens {
@@ -359,7 +364,7 @@ impl<'a> Eye<'a> {
             _ => {
                 wave.clear();
                 for pixel in pixels {
-                    self.look::<N>(wave, tile.pixel(pixel), 0..sampling.count());
+                    self.look::<N>(wave, tile.pixel(pixel), 0..self.settings.sampling.count());
                 }
             }
         }

@@ -36,6 +36,11 @@ impl Sampling {
     /// One sample in the middle.
     pub const ONE: Self = Self::Grid(1);
 
+    /// Whether every pixel gets one sample, in its middle.
+    pub(crate) fn is_middle(self) -> bool {
+        matches!(self, Self::Grid(1) | Self::Circle(1))
+    }
+
     /// How many samples every pixel gets.
     pub fn count(self) -> u32 {
         match self {
@@ -86,7 +91,7 @@ impl Sampling {
         };
         match self {
             // One sample, as is mostly asked for first, takes no divisions.
-            Self::Grid(1) | Self::Circle(1) => Vec2::splat(0.5),
+            one if one.is_middle() => Vec2::splat(0.5),
             Self::Grid(side) => (cell(side, sample) + Vec2::splat(0.5)) / side as f32,
             Self::Circle(count) => {
                 // Turned by an eighth, so that no two points share a row or a column.

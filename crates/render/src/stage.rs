@@ -110,8 +110,6 @@ pub struct Stage {
     pub(crate) plane_axes: Vec<[Vec3; 2]>,
     /// Whether each sphere, and each plane, casts shadows.
     pub(crate) casting: [Vec<bool>; 2],
-    /// Whether light may go through anything.
-    pub(crate) has_clear: bool,
 }
 
 /// What instances have in common that may share a tree.
@@ -191,10 +189,8 @@ impl Stage {
             scene.spheres.iter().map(|sphere| casts(sphere.material)).collect(),
             scene.planes.iter().map(|plane| casts(plane.material)).collect(),
         ];
-        let has_clear = casting.iter().flatten().any(|casts: &bool| !casts)
-            || placed.iter().any(|placed| !placed.casts_shadow);
         let plane_axes = scene.planes.iter().map(axes).collect();
-        Ok(Self { scene, groups, placed, lit, plane_axes, casting, has_clear })
+        Ok(Self { scene, groups, placed, lit, plane_axes, casting })
     }
 
     /// The scene.

@@ -7,7 +7,7 @@ use trisect_core::{Culling, Ray};
 use trisect_scene::{Color, luminance};
 use trisect_tracer::{Tracing, TriangleHit};
 
-use crate::needs::Needs;
+use crate::needs::{Needs, Part, Parts};
 use crate::settings::{Mode, Settings};
 use crate::stage::{Carried, Stage};
 use crate::surface::{Target, crossings, meet_plane, meet_sphere};
@@ -120,6 +120,7 @@ impl Wave {
         &mut self,
         stage: &Stage,
         settings: &Settings,
+        parts: Parts,
         stop: &AtomicBool,
     ) -> &[Color] {
         self.radiance.clear();
@@ -162,7 +163,7 @@ impl Wave {
             }
             (self.targets, self.found) = (targets, found);
             if N::SHADOWS {
-                self.add_lights(stage, settings.tracing);
+                self.add_lights(stage, settings.tracing, parts.has(Part::Transparency));
             }
             if !N::ONWARD {
                 // Rays stay, for others to be written over them.
@@ -256,7 +257,7 @@ impl Wave {
     }
 
     /// Adds what reaches the samples of those lights that no shadow falls on.
-    fn add_lights(&mut self, stage: &Stage, tracing: Tracing) {
+    fn add_lights(&mut self, stage: &Stage, tracing: Tracing, shines_through: bool) {
         let Self { shadow_rays, is_dark, blocked, carried, which, .. } = self;
         self.counts.shadow += shadow_rays.len() as u64;
         is_dark.clear();
@@ -288,7 +289,7 @@ impl Wave {
                 }
             }
         }
-        if stage.has_clear {
+        if shines_through {
             self.shine_through(stage, tracing);
         }
         for (carrying, dark) in self.shadow_carrying.iter().zip(&self.is_dark) {

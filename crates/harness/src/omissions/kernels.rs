@@ -1,10 +1,11 @@
-//! Kernels that are asked for a hit with all its values, against those that say whether there is one.
+//! Kernels that are asked for a hit with all its values, against those that say whether there is one; and
+//! those of twice the precision.
 
-use trisect_catalog::{Arrangement, Entry, Kernel};
-use trisect_core::{Float as _, Output};
+use trisect_catalog::{Arrangement, Entry, Kernel, Kernels};
+use trisect_core::{Output, Precision, Ray, Triangle, UnsuitableMesh};
 
 use super::{Study, Subject, in_turn};
-use crate::measure::{Group, contenders};
+use crate::measure::Group;
 use crate::record::{Family, Layer, Omission};
 use crate::subject;
 use crate::timing::{Contender, WrongAnswer};
@@ -12,8 +13,14 @@ use crate::timing::{Contender, WrongAnswer};
 /// What whoever asks no more than whether there is a hit does without: `t`, barycentrics, and the division.
 const VALUES: &str = "values";
 
+/// What whoever does with single precision does without.
+const PRECISION: &str = "f64";
+
+/// The forms of the division, first the one that a tracer takes where a method has both.
+const FORMS: [&str; 2] = ["deferred", "early"];
+
 impl Study<'_> {
-    /// Every method, in each form of the division: one ray at a time, on the widest fused lanes of f32.
+    /// Every method, in each form of the division: one ray at a time, on the widest fused lanes.
     pub(super) fn kernels(&mut self) -> Result<Vec<Omission>, WrongAnswer> {
         let (seed, tests) = (self.settings.seed, self.settings.tests);
         self.progress.phase("kernels", self.settings.methods.len() as u64);
@@ -27,51 +34,76 @@ impl Study<'_> {
         );
         let mut found = Vec::new();
         for entry in &self.settings.methods {
-            let scene = (entry.f32.prepare)(&subject.triangles32, &subject.rays32);
-            if let Ok(scene) = scene {
-                let group = Group::new(entry, &entry.f32, scene, usual(entry));
-                let mut racing = contenders(std::slice::from_ref(&group), &subject);
-                while let Some((_, whole)) = racing.pop() {
-                    let kernel = whole.kernel;
-                    let is_other = |kernel: &Kernel, other: &Kernel| {
-                        other.variant == kernel.variant && other.needs != kernel.needs
-                    };
-                    let other = racing.iter().position(|(_, other)| is_other(kernel, other.kernel));
-                    let Some(other) = other else { continue };
-                    let (_, other) = racing.swap_remove(other);
-                    let (with, without) = match kernel.needs {
-                        Output::Occlusion => (other, whole),
-                        _ => (whole, other),
-                    };
-                    let raced = in_turn(
-                        &Subject {
-                            layer: Layer::Kernel,
-                            scene: &subject.workload.name,
-                            of: kernel.variant.division,
-                            method: entry.info.name,
-                        },
-                        without,
-                        vec![(VALUES, with)],
-                        self.settings.rounds,
-                        &mut self.random,
-                        Contender::run,
-                    )?;
-                    found.extend(raced.omissions);
-                }
+            if let (Ok(single), Ok(double)) = (
+                group(entry, &entry.f32, &subject.triangles32, &subject.rays32),
+                group(entry, &entry.f64, &subject.triangles64, &subject.rays64),
+            ) {
+                found.extend(self.of_method(entry, [&single, &double], &subject)?);
             }
             self.progress.step();
         }
         Ok(found)
     }
+
+    /// A method's kernels in single and double precision.
+    fn of_method<'a>(
+        &mut self,
+        entry: &Entry,
+        [single, double]: [&'a Group; 2],
+        subject: &subject::Subject,
+    ) -> Result<Vec<Omission>, WrongAnswer> {
+        let fullest = fullest(entry);
+        let of = |group: &Group, form, needs| {
+            group.kernels().find(|k| k.variant.division == form && k.needs == needs)
+        };
+        let values = FORMS.into_iter().filter_map(|form| {
+            let of = |needs| Some(single.contender(of(single, form, needs)?, subject));
+            Some((form, VALUES, of(Output::Occlusion)?, of(fullest)?))
+        });
+        // In one form: the other takes the same numbers.
+        let precision = FORMS.into_iter().find_map(|form| {
+            let of = |group: &'a Group| Some(group.contender(of(group, form, fullest)?, subject));
+            Some((form, PRECISION, of(single)?, of(double)?))
+        });
+        let mut found = Vec::new();
+        for (form, part, without, with) in values.chain(precision) {
+            let raced = in_turn(
+                &Subject {
+                    layer: Layer::Kernel,
+                    scene: &subject.workload.name,
+                    of: form,
+                    method: entry.info.name,
+                },
+                without,
+                vec![(part, with)],
+                self.settings.rounds,
+                &mut self.random,
+                Contender::run,
+            )?;
+            found.extend(raced.omissions);
+        }
+        Ok(found)
+    }
 }
 
-/// The kernels of a method that are compared: of each form the one asked for least, and for most.
-fn usual(entry: &'static Entry) -> Vec<&'static Kernel> {
+/// The most that a method can be asked for by all callers alike.
+fn fullest(entry: &Entry) -> Output {
+    if entry.info.gives(Output::Barycentrics) { Output::Barycentrics } else { Output::T }
+}
+
+/// The kernels of a method that are compared, on triangles and rays: of each form the one asked for least,
+/// and for most.
+fn group<E: Precision>(
+    entry: &Entry,
+    kernels: &'static Kernels<E>,
+    triangles: &[Triangle<E>],
+    rays: &[Ray<E>],
+) -> Result<Group, UnsuitableMesh> {
     let here = || {
-        entry.f32.timed.iter().filter(|kernel| {
+        kernels.timed.iter().filter(|kernel| {
             let lane = kernel.variant.lane;
             lane.instruction_set.is_available()
-                && lane.precision == f32::NAME
+                && lane.precision == E::NAME
                 && lane.arithmetic == "fused"
                 && kernel.variant.reciprocal == "true"
                 && kernel.arrangement == Arrangement::OneRay
@@ -79,10 +111,9 @@ fn usual(entry: &'static Entry) -> Vec<&'static Kernel> {
         })
     };
     let widest = here().map(|kernel| kernel.variant.lane.width).max();
-    let fullest =
-        if entry.info.gives(Output::Barycentrics) { Output::Barycentrics } else { Output::T };
-    here()
-        .filter(|kernel| Some(kernel.variant.lane.width) == widest)
-        .filter(|kernel| kernel.needs == Output::Occlusion || kernel.needs == fullest)
-        .collect()
+    let asked = [Output::Occlusion, fullest(entry)];
+    let usual: Vec<&'static Kernel> = here()
+        .filter(|kernel| Some(kernel.variant.lane.width) == widest && asked.contains(&kernel.needs))
+        .collect();
+    Ok(Group::new(entry, kernels, (kernels.prepare)(triangles, rays)?, usual))
 }

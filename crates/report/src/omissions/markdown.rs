@@ -23,12 +23,23 @@ pub(crate) fn findings(view: &View) -> String {
     text
 }
 
+/// Double precision, as records name it.
+const PRECISION: &str = "f64";
+
 /// All findings that the record has the numbers for.
 pub(super) fn all_findings(view: &View) -> Vec<Finding> {
     let finding = |about: &str, says, how| Finding { about: about.into(), says, how };
     let mut all = Vec::new();
     for (form, ratios, mean) in ratios(view, Layer::Kernel) {
         let count = ratios.len();
+        if form == PRECISION {
+            let how = format!(
+                "against f32, as many tests, geometric mean over {count} methods; {}",
+                ends(view, Layer::Kernel, form)
+            );
+            all.push(finding("Kernels in f64", format!("{} the time", ratio(mean)), how));
+            continue;
+        }
         let faster = ratios.iter().filter(|ratio| **ratio > 1.0).count();
         let about = match form {
             "deferred" => "Kernels that decide by numerators",
@@ -118,14 +129,15 @@ fn cell(omission: &Omission) -> Option<String> {
 
 /// A row per method, a column per form.
 pub(crate) fn kernels(view: &View) -> Table {
-    let mut table = Table::new(&["method", "numerators", "quotients"]);
+    let mut table = Table::new(&["method", "numerators", "quotients", "f64"]);
     for method in distinct(of_layer(view, Layer::Kernel), |omission| &omission.method) {
-        let of = |form: &str| {
+        let of = |name: &str| {
             let mut mine = of_layer(view, Layer::Kernel);
-            let mine = mine.find(|omission| omission.method == method && omission.of == form);
+            let mine = mine.find(|omission| omission.method == method && kind(omission) == name);
             mine.and_then(cell).unwrap_or_else(|| or_dash(None, ratio))
         };
-        table.rows.push(vec![method.to_owned(), of("deferred"), of("early")]);
+        let cells = ["deferred", "early", PRECISION].map(of);
+        table.rows.push([vec![method.to_owned()], cells.into()].concat());
     }
     table
 }
@@ -134,7 +146,8 @@ pub(crate) fn kernels(view: &View) -> Table {
 pub(crate) const KERNELS: &str = "Time of the fullest hit over that of whether there is one, one ray at a \
     time on the widest fused lanes of f32, without early-out: median and quartiles over rounds in which \
     both were timed one after the other. numerators: the deferred form, which decides a hit without a \
-    division; quotients: the early one, which divides first; a dash where the method has not that form.";
+    division; quotients: the early one, which divides first; a dash where the method has not that form. \
+    f64: the fullest hit in double precision over that in single, in the first of these forms.";
 
 /// A row per scene and what is done with it, a column per part.
 fn cross(view: &View, layer: Layer, first: &str, needed: &str) -> Table {

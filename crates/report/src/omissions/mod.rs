@@ -42,11 +42,15 @@ fn distinct<'a>(
     all
 }
 
-/// The part, or for kernels, of which all leave out the same, the form of the division.
+/// What kernels are asked for in each form of the division.
+const VALUES: &str = "values";
+
+/// The part, or for the values of kernels, which are left out in each form of the division, the form.
 fn kind(omission: &Omission) -> &str {
-    match omission.layer {
-        Layer::Kernel => &omission.of,
-        Layer::Tracer | Layer::Picture => &omission.part,
+    if omission.layer == Layer::Kernel && omission.part == VALUES {
+        &omission.of
+    } else {
+        &omission.part
     }
 }
 
