@@ -114,8 +114,8 @@ impl<'s> Renderer<'s> {
         }
         let stage = self.stage;
         let parts = self.parts(settings);
-        let image_of = &mut image;
-        needs::with(parts, Drawing { renderer: self, stage, settings, parts, watch, image: image_of })?;
+        let drawing = Drawing { renderer: self, stage, settings, parts, watch, image: &mut image };
+        needs::with(parts, drawing)?;
         Ok(image)
     }
 

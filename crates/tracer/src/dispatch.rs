@@ -1,11 +1,14 @@
-//! Which lanes a batch of rays runs on: the best that the processor has, chosen once.
+//! How a batch of rays goes through a tree: what depends on its method, chosen once.
 
-use trisect_core::{Culling, Fused, InstructionSet, Lanes, Method, Plain, Ray, Token, Vector};
+use trisect_core::{Culling, Lanes, Method, Ray, Token as _};
 
 use crate::bvh::{Bvh, Statistics};
-use crate::hit::{Found, NO_HIT, TriangleHit};
+use crate::called::Called;
+use crate::hit::{Found, TriangleHit};
+use crate::lanes::{Job, OnFast, OnLanes, OnPlain, has_fast_lanes};
+use crate::leaves::{Backs, Both, Fronts, Leaves, LeavesOf, Whole};
 use crate::order::{Order, TILE, of_origins, of_rows, row_length};
-use crate::packet::{LeavesOf, Whole, in_packets};
+use crate::packet::in_packets;
 use crate::parallel;
 use crate::single::singly;
 use crate::walk::Counted;
@@ -30,57 +33,8 @@ pub enum Tracing {
 /// for the second cache.
 const CHUNK: usize = 4096;
 
-/// Something to do on lanes of choice.
-trait Job {
-    type Output;
-    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> Self::Output;
-}
-
-/// Runs a job on the lanes that are fast, where the processor has them.
-fn on_fast_lanes<J: Job>(job: J) -> Result<J::Output, J> {
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    {
-        use fearless_simd::f32x8;
-        use fearless_simd::x86::{Avx2, Avx512};
-        if let Some(token) = Avx512::detect() {
-            return Ok(job.run::<Vector<Avx512, f32x8<Avx512>, Fused>>(token));
-        }
-        if let Some(token) = Avx2::detect() {
-            return Ok(job.run::<Vector<Avx2, f32x8<Avx2>, Fused>>(token));
-        }
-    }
-    #[cfg(target_arch = "aarch64")]
-    if let Some(token) = fearless_simd::aarch64::Neon::detect() {
-        use fearless_simd::aarch64::Neon;
-        return Ok(job.run::<Vector<Neon, fearless_simd::f32x4<Neon>, Fused>>(token));
-    }
-    Err(job)
-}
-
-/// The instruction set and the number of lanes that triangles are tested on here, unless plainly.
-pub fn fast_lanes() -> (InstructionSet, usize) {
-    struct Which;
-    impl Job for Which {
-        type Output = (InstructionSet, usize);
-        fn run<L: Lanes<Elem = f32>>(self, _token: L::Token) -> Self::Output {
-            (L::Token::INSTRUCTION_SET, L::N)
-        }
-    }
-    on_fast_lanes(Which).unwrap_or_else(on_plain_lanes)
-}
-
-/// Runs a job in plain arithmetic, which gives the same bits everywhere: on one instruction set that
-/// nearly all processors have, as each takes its time to compile for every method.
-fn on_plain_lanes<J: Job>(job: J) -> J::Output {
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    if let Some(token) = fearless_simd::x86::Sse4_2::detect() {
-        use fearless_simd::x86::Sse4_2;
-        return job.run::<Vector<Sse4_2, fearless_simd::f32x4<Sse4_2>, Plain>>(token);
-    }
-    job.run::<f32>(())
-}
-
-/// Rays and where their hits go.
+/// Rays through a tree, compiled for its method: in packets as well, as calls of leaves that are known are
+/// worth a twentieth.
 struct Batch<'a, M: Method, T, const ANY: bool, const ROBUST: bool> {
     bvh: &'a Bvh<M>,
     rays: &'a [Ray<f32>],
@@ -96,64 +50,38 @@ impl<M: Method, T: Found, const ANY: bool, const ROBUST: bool> Job
         let Self { bvh, rays, order, found } = self;
         match order {
             Order::Packets(numbers) => {
-                let leaves = &LeavesOf::<M, L, ANY, ROBUST> { bvh, token };
-                let tree = Whole { nodes: &bvh.nodes, depth: bvh.depth, leaves };
-                in_packets::<L, T, ROBUST>(tree, token, rays, &numbers, found);
+                let leaves = &LeavesOf::<M, L, Both, ANY, ROBUST>::new(bvh, token);
+                in_packets::<L, T, ROBUST>(bvh.whole(leaves), token, rays, &numbers, found);
             }
             Order::Singly => token.run(
                 #[inline(always)]
-                || singly::<M, L, T, ANY, ROBUST>(bvh, token, Culling::None, rays, found),
+                || singly::<_, L, T, ANY, ROBUST>(bvh, token, rays, found),
             ),
         }
     }
 }
 
-/// Rays that are traced as testing every triangle does. Whoever asks whether there is a hit gets the
-/// nearest: an instance less for every method.
-struct Plainly<'a, M: Method> {
+/// A tree's leaves, which see those faces that culling leaves, for who calls them.
+struct WithLeaves<'a, M: Method, F, const ANY: bool, const ROBUST: bool> {
     bvh: &'a Bvh<M>,
     culling: Culling,
-    rays: &'a [Ray<f32>],
-    found: &'a mut [TriangleHit],
+    then: F,
 }
 
-impl<M: Method> Job for Plainly<'_, M> {
+impl<M, F, const ANY: bool, const ROBUST: bool> Job for WithLeaves<'_, M, F, ANY, ROBUST>
+where
+    M: Method,
+    F: FnOnce(&dyn Leaves),
+{
     type Output = ();
-    // Out of line, since it is called from several places.
-    #[inline(never)]
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
-        let Self { bvh, culling, rays, found } = self;
-        token.run(
-            #[inline(always)]
-            || singly::<M, L, _, false, true>(bvh, token, culling, rays, found),
-        );
+        let Self { bvh, culling, then } = self;
+        match culling {
+            Culling::None => then(&LeavesOf::<M, L, Both, ANY, ROBUST>::new(bvh, token)),
+            Culling::Back => then(&LeavesOf::<M, L, Fronts, ANY, ROBUST>::new(bvh, token)),
+            Culling::Front => then(&LeavesOf::<M, L, Backs, ANY, ROBUST>::new(bvh, token)),
+        }
     }
-}
-
-/// Traces in plain arithmetic, by a function of choice.
-fn plainly<M: Method, T: Found>(
-    bvh: &Bvh<M>,
-    culling: Culling,
-    rays: &[Ray<f32>],
-    found: &mut [T],
-    run: fn(Plainly<'_, M>),
-) {
-    let mut best = vec![NO_HIT; rays.len()];
-    run(Plainly { bvh, culling, rays, found: &mut best });
-    for (found, best) in found.iter_mut().zip(&best) {
-        *found = T::of(best);
-    }
-}
-
-/// Traces on the calling thread, one number at a time, as testing every triangle does.
-pub(crate) fn on_scalar_lanes<M: Method, T: Found>(
-    bvh: &Bvh<M>,
-    culling: Culling,
-    rays: &[Ray<f32>],
-    found: &mut [T],
-) {
-    assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
-    plainly(bvh, culling, rays, found, |job| job.run::<f32>(()));
 }
 
 /// A tree over a mesh, whatever its method.
@@ -227,8 +155,8 @@ impl<M: Method> Bvh<M> {
         found: &mut [T],
     ) {
         assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
-        let fast = tracing != Tracing::Plain && culling == Culling::None;
-        let together = fast && tracing == Tracing::Packets;
+        let tracing = if has_fast_lanes() { tracing } else { Tracing::Plain };
+        let together = tracing == Tracing::Packets;
         let row = if together { row_length(rays) } else { None };
         let chunk = row.map_or(CHUNK, |row| CHUNK.next_multiple_of(TILE * row));
         let parts = rays.chunks(chunk).zip(found.chunks_mut(chunk));
@@ -239,27 +167,60 @@ impl<M: Method> Bvh<M> {
                     None if together => of_origins(rays),
                     None => Order::Singly,
                 };
-                let rest = if fast { self.fast::<T, ANY>(rays, order, found) } else { Some(found) };
-                if let Some(found) = rest {
-                    plainly(self, culling, rays, found, |job| on_plain_lanes(job));
+                if tracing == Tracing::Plain {
+                    self.plainly::<OnPlain, T>(culling, rays, found);
+                } else if const { M::INFO.claims.watertight } {
+                    self.fast::<T, ANY, true>(culling, rays, order, found);
+                } else {
+                    self.fast::<T, ANY, false>(culling, rays, order, found);
                 }
             })
         }));
     }
 
-    /// Traces on fast lanes; gives the places back where the processor has none.
-    fn fast<'a, T: Found, const ANY: bool>(
-        &'a self,
-        rays: &'a [Ray<f32>],
+    /// Traces on fast lanes.
+    fn fast<T: Found, const ANY: bool, const ROBUST: bool>(
+        &self,
+        culling: Culling,
+        rays: &[Ray<f32>],
         order: Order,
-        found: &'a mut [T],
-    ) -> Option<&'a mut [T]> {
-        if const { M::INFO.claims.watertight } {
-            let batch = Batch::<M, T, ANY, true> { bvh: self, rays, order, found };
-            on_fast_lanes(batch).err().map(|batch| batch.found)
+        found: &mut [T],
+    ) {
+        if culling == Culling::None {
+            OnFast::run(Batch::<M, T, ANY, ROBUST> { bvh: self, rays, order, found });
         } else {
-            let batch = Batch::<M, T, ANY, false> { bvh: self, rays, order, found };
-            on_fast_lanes(batch).err().map(|batch| batch.found)
+            self.called::<OnFast, T, ANY, ROBUST>(culling, rays, order, found);
         }
+    }
+
+    /// Traces as testing every triangle does. Whoever asks whether there is a hit gets the nearest.
+    pub(crate) fn plainly<O: OnLanes, T: Found>(
+        &self,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        found: &mut [T],
+    ) {
+        self.called::<O, T, false, true>(culling, rays, Order::Singly, found);
+    }
+
+    /// Traces through leaves that are behind a call.
+    fn called<O: OnLanes, T: Found, const ANY: bool, const ROBUST: bool>(
+        &self,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        order: Order,
+        found: &mut [T],
+    ) {
+        let then = |leaves: &dyn Leaves| {
+            let called =
+                Called { tree: self.whole(leaves), is_robust: ROBUST, any: ANY, rays, order };
+            T::trace(called, O::ON, found);
+        };
+        O::run(WithLeaves::<M, _, ANY, ROBUST> { bvh: self, culling, then });
+    }
+
+    /// Its nodes, with leaves of choice.
+    fn whole<'a>(&'a self, leaves: &'a dyn Leaves) -> Whole<'a> {
+        Whole { nodes: &self.nodes, depth: self.depth, leaves }
     }
 }

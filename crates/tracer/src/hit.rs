@@ -5,6 +5,8 @@ use std::hint::select_unpredictable;
 
 use trisect_core::Hit;
 
+use crate::called::{Called, On};
+
 /// The nearest triangle that a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleHit {
@@ -55,9 +57,12 @@ impl TriangleHit {
 }
 
 /// What is kept of a ray's hit.
-pub(crate) trait Found: Send {
+pub(crate) trait Found: Send + Sized {
     /// From the best hit, which may be [`NO_HIT`].
     fn of(best: &TriangleHit) -> Self;
+
+    /// [`Called::trace`] for it: compiled here, as it depends on no method.
+    fn trace(called: Called<'_>, on: On, found: &mut [Self]);
 }
 
 impl Found for Option<TriangleHit> {
@@ -65,13 +70,9 @@ impl Found for Option<TriangleHit> {
     fn of(best: &TriangleHit) -> Self {
         best.is_hit().then_some(*best)
     }
-}
 
-/// All of it, for who makes something else of it.
-impl Found for TriangleHit {
-    #[inline(always)]
-    fn of(best: &TriangleHit) -> Self {
-        *best
+    fn trace(called: Called<'_>, on: On, found: &mut [Self]) {
+        called.trace(on, found);
     }
 }
 
@@ -79,5 +80,9 @@ impl Found for bool {
     #[inline(always)]
     fn of(best: &TriangleHit) -> Self {
         best.is_hit()
+    }
+
+    fn trace(called: Called<'_>, on: On, found: &mut [Self]) {
+        called.trace(on, found);
     }
 }

@@ -4,11 +4,14 @@
 mod bounds;
 mod build;
 mod bvh;
+mod called;
 mod dispatch;
 mod envelope;
 mod exactly;
 mod hit;
+mod lanes;
 mod leaf;
+mod leaves;
 mod order;
 mod packet;
 mod parallel;
@@ -21,7 +24,8 @@ mod walk;
 
 pub use build::{Builder, Leaves, RefitError, UnknownBuilder};
 pub use bvh::{Bvh, Statistics};
-pub use dispatch::{Tracing, Tree, fast_lanes};
+pub use dispatch::{Tracing, Tree};
 pub use hit::TriangleHit;
+pub use lanes::fast_lanes;
 pub use scalar::{EveryTriangle, ScalarBvh};
 pub use walk::Counted;

@@ -5,16 +5,12 @@
 //! Overbeck, Ramamoorthi, Mark: Large Ray Packets for Real-time Whitted Ray Tracing. IEEE Symposium on
 //! Interactive Ray Tracing, 2008.
 
-use std::hint::select_unpredictable;
-use std::ops::Range;
+use trisect_core::{Lanes, Ray, Token as _, Vec3};
 
-use trisect_core::{Culling, Lanes, Method, Ray, Token as _, Vec3};
-
-use crate::bvh::{Bvh, Child, Node, WIDTH, child};
+use crate::bvh::{Child, WIDTH, child};
 use crate::envelope::Envelope;
-use crate::exactly::{Given, arrive};
 use crate::hit::Found;
-use crate::leaf::{end, test_leaf};
+use crate::leaves::Whole;
 use crate::rows::{RAYS, Rows, splat};
 use crate::waiting::{self, Stack};
 
@@ -25,90 +21,6 @@ struct Waiting {
     key: u64,
     /// The rays that have met its node.
     rays: u64,
-}
-
-/// The leaves of a tree, whatever their method: a packet is so long in a leaf that a call costs nothing,
-/// and the way through the nodes is compiled once.
-pub(crate) trait Leaves {
-    /// Has a leaf fetched that will be visited.
-    fn prefetch(&self, first: usize);
-
-    /// Tests its triangles for those rays; whether any of them has hit anything so far.
-    fn test(&self, rows: &mut Rows, rays: u64, blocks: Range<usize>) -> bool;
-
-    /// Computes what is left to compute of rays that have arrived.
-    fn arrive(&self, rows: &mut Rows);
-}
-
-/// The leaves of a tree for [`Leaves`], tested on lanes of choice.
-pub(crate) struct LeavesOf<'a, M: Method, L: Lanes, const ANY: bool, const ROBUST: bool> {
-    pub(crate) bvh: &'a Bvh<M>,
-    pub(crate) token: L::Token,
-}
-
-impl<M, L, const ANY: bool, const ROBUST: bool> Leaves for LeavesOf<'_, M, L, ANY, ROBUST>
-where
-    M: Method,
-    L: Lanes<Elem = f32>,
-{
-    fn prefetch(&self, first: usize) {
-        if let Some(block) = self.bvh.blocks.get(first) {
-            block.prefetch();
-        }
-    }
-
-    fn test(&self, rows: &mut Rows, mut rays: u64, blocks: Range<usize>) -> bool {
-        let Self { bvh, token } = *self;
-        token.run(
-            #[inline(always)]
-            || {
-                let mut any = false;
-                while rays != 0 {
-                    let place = rays.trailing_zeros() as usize % RAYS;
-                    rays &= rays - 1;
-                    let (ray, best) = (rows.ray(place), &mut rows.best[place]);
-                    let blocks = blocks.clone();
-                    let given = Given { bvh, ray, culling: Culling::None };
-                    test_leaf::<M, L, ANY>(token, blocks, given, best);
-                    let is_hit = best.is_hit();
-                    any |= is_hit;
-                    let tmax = end::<ANY, ROBUST>(best, ray.tmax);
-                    rows.end(place, select_unpredictable(is_hit, tmax, ray.tmax));
-                }
-                any
-            },
-        )
-    }
-
-    fn arrive(&self, rows: &mut Rows) {
-        if const { M::INFO.claims.exact && !ANY } {
-            let Self { bvh, token } = *self;
-            token.run(
-                #[inline(always)]
-                || arrive(bvh, rows),
-            );
-        }
-    }
-}
-
-/// The nodes of a tree, and its leaves.
-#[derive(Clone, Copy)]
-pub(crate) struct Whole<'a> {
-    pub(crate) nodes: &'a [Node],
-    /// Nodes on the longest way down.
-    pub(crate) depth: usize,
-    pub(crate) leaves: &'a dyn Leaves,
-}
-
-impl Whole<'_> {
-    /// Has a child fetched that will be visited.
-    #[inline(always)]
-    fn prefetch(self, number: u32) {
-        match child(number) {
-            Child::Node(at) => self.nodes[at].prefetch(),
-            Child::Leaf(first, _) => self.leaves.prefetch(first),
-        }
-    }
 }
 
 /// As [`singly`](crate::single::singly), for rays that go together: in an order of choice, as they are

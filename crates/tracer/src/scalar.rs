@@ -9,8 +9,9 @@ use trisect_core::{
 
 use crate::build::Builder;
 use crate::bvh::{Bvh, Statistics};
-use crate::dispatch::{Tracing, Tree, on_scalar_lanes};
+use crate::dispatch::{Tracing, Tree};
 use crate::hit::{Found, NO_HIT, TriangleHit};
+use crate::lanes::OnOne;
 use crate::walk::Counted;
 
 /// A tree whose boxes and triangles are tested one at a time, by the calling thread, in plain arithmetic,
@@ -28,6 +29,11 @@ impl<M: Method> ScalarBvh<M> {
     pub fn build(triangles: &[Triangle<f32>], builder: Builder) -> Result<Self, UnsuitableMesh> {
         Ok(Self(Bvh::build(triangles, builder)?))
     }
+
+    fn trace<T: Found>(&self, culling: Culling, rays: &[Ray<f32>], found: &mut [T]) {
+        assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
+        self.0.plainly::<OnOne, _>(culling, rays, found);
+    }
 }
 
 impl<M: Method> Tree for ScalarBvh<M> {
@@ -38,11 +44,11 @@ impl<M: Method> Tree for ScalarBvh<M> {
         rays: &[Ray<f32>],
         found: &mut [Option<TriangleHit>],
     ) {
-        on_scalar_lanes::<M, _>(&self.0, culling, rays, found);
+        self.trace(culling, rays, found);
     }
 
     fn any(&self, _: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
-        on_scalar_lanes::<M, _>(&self.0, culling, rays, found);
+        self.trace(culling, rays, found);
     }
 
     fn count(&self, ray: &Ray<f32>) -> Counted {

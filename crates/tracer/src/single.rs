@@ -2,12 +2,11 @@
 
 use std::hint::select_unpredictable;
 
-use trisect_core::{Culling, Lanes, Method, Ray, Token as _};
+use trisect_core::{Lanes, Ray, Token as _};
 
-use crate::bvh::{Bvh, Child, Node, WIDTH, child};
-use crate::exactly::{Given, arrive};
+use crate::bvh::{Child, Node, WIDTH, child};
 use crate::hit::Found;
-use crate::leaf::{end, test_leaf};
+use crate::leaves::ForSingleRays;
 use crate::rows::{RAYS, Rows};
 use crate::waiting::{self, Stack};
 
@@ -126,39 +125,28 @@ impl<'a> Flight<'a> {
 
     /// Visits a node or a leaf; whether the ray has arrived.
     #[inline(always)]
-    fn step<M, L, const ANY: bool, const ROBUST: bool>(
+    fn step<A, L, const ANY: bool, const ROBUST: bool>(
         &mut self,
-        bvh: &'a Bvh<M>,
+        tree: &'a A,
         token: L::Token,
-        culling: Culling,
         rows: &mut Rows,
     ) -> bool
     where
-        M: Method,
+        A: ForSingleRays<L, ANY, ROBUST>,
         L: Lanes<Elem = f32>,
     {
-        let next = if ANY { self.next(&bvh.nodes) } else { self.nearest(rows) };
+        let next = if ANY { self.next(tree.nodes()) } else { self.nearest(rows) };
         let Some(current) = next else { return true };
         match child(current) {
             Child::Node(at) => {
                 if ANY {
                     self.number = at;
                 }
-                self.visit::<L, ANY, ROBUST>(token, rows, &bvh.nodes[at]);
+                self.visit::<L, ANY, ROBUST>(token, rows, &tree.nodes()[at]);
             }
             Child::Leaf(first, count) => {
                 self.met = 0;
-                let blocks = first..first + count;
-                let ray = if const { M::INFO.claims.exact } {
-                    rows.line(self.place)
-                } else {
-                    rows.ray(self.place)
-                };
-                let best = &mut rows.best[self.place % RAYS];
-                test_leaf::<M, L, ANY>(token, blocks, Given { bvh, ray, culling }, best);
-                if best.is_hit() {
-                    let tmax = end::<ANY, ROBUST>(best, ray.tmax);
-                    rows.end(self.place, tmax);
+                if tree.test(token, rows, self.place, first..first + count) {
                     return ANY;
                 }
             }
@@ -170,20 +158,19 @@ impl<'a> Flight<'a> {
 /// The nearest hit of each ray, of equally near ones that of the lowest number; any hit where `ANY`. The
 /// tests of boxes allow for rounding where `ROBUST`.
 #[inline(always)]
-pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
-    bvh: &Bvh<M>,
+pub(crate) fn singly<A, L, T, const ANY: bool, const ROBUST: bool>(
+    tree: &A,
     token: L::Token,
-    culling: Culling,
     rays: &[Ray<f32>],
     found: &mut [T],
 ) where
-    M: Method,
+    A: ForSingleRays<L, ANY, ROBUST>,
     L: Lanes<Elem = f32>,
     T: Found,
 {
-    let root = &bvh.nodes[0];
+    let root = &tree.nodes()[0];
     let mut rows = Rows::EMPTY;
-    let room = waiting::room(bvh.depth);
+    let room = waiting::room(tree.depth());
     let mut items = vec![0; room * MOST_IN_FLIGHT];
     let mut parts = items.chunks_exact_mut(room);
     let mut flights: [Flight<'_>; MOST_IN_FLIGHT] = std::array::from_fn(|_| Flight {
@@ -195,7 +182,7 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
         waiting: Stack::new(parts.next().expect("each has its room")),
     });
     for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
-        let mut left = take_in::<L, ROBUST>(&mut rows, token, rays, const { M::INFO.claims.exact });
+        let mut left = take_in::<L, ROBUST>(&mut rows, token, rays, A::LINES);
         let mut count = 0;
         while count < const { in_flight(ANY) }
             && flights[count].launch::<L, ANY, ROBUST>(token, &rows, root, &mut left)
@@ -205,7 +192,7 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
         let mut at = 0;
         while count > 0 {
             let flight = &mut flights[at % MOST_IN_FLIGHT];
-            if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, &mut rows)
+            if flight.step::<A, L, ANY, ROBUST>(tree, token, &mut rows)
                 && !flight.launch::<L, ANY, ROBUST>(token, &rows, root, &mut left)
             {
                 count -= 1;
@@ -222,9 +209,7 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
         if ANY {
             give_out(&rows, found);
         } else {
-            if const { M::INFO.claims.exact } {
-                arrive(bvh, &mut rows);
-            }
+            tree.arrive(&mut rows);
             for (found, best) in found.iter_mut().zip(&rows.best) {
                 *found = T::of(best);
             }

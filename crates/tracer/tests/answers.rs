@@ -145,13 +145,24 @@ fn fast_tracing_finds_nearly_always_the_same() {
     let bunny = Mesh::bunny();
     let rays = trisect_workloads::random_through_box(5, &bunny, 20_000).rays;
     let tree = tree::<MollerTrumbore>(&bunny.triangles);
-    let fast = traced(&tree, Tracing::Single, Culling::None, &rays);
-    let plain = traced(&tree, Tracing::Plain, Culling::None, &rays);
-    let differ = fast
-        .iter()
-        .zip(&plain)
-        .filter(|(a, b)| a.map(|hit| hit.triangle) != b.map(|hit| hit.triangle));
-    assert!(differ.count() < 20);
+    let mut hits = Vec::new();
+    for culling in [Culling::None, Culling::Back, Culling::Front] {
+        let plain = traced(&tree, Tracing::Plain, culling, &rays);
+        for tracing in [Tracing::Single, Tracing::Packets] {
+            let fast = traced(&tree, tracing, culling, &rays);
+            let differ = fast
+                .iter()
+                .zip(&plain)
+                .filter(|(a, b)| a.map(|hit| hit.triangle) != b.map(|hit| hit.triangle));
+            assert!(differ.count() < 20, "{culling:?} {tracing:?}");
+        }
+        hits.push(plain);
+    }
+    let [both, fronts, backs] = &hits[..] else { unreachable!("there are three") };
+    for ((both, front), back) in both.iter().zip(fronts).zip(backs) {
+        assert!(both == front || both == back, "what is nearest is one or the other");
+    }
+    assert!(fronts != backs);
 }
 
 fn statistics(triangles: &[Triangle<f32>]) -> Statistics {

@@ -85,7 +85,7 @@ fn told(part: &str) -> (&str, &'static str) {
             "The same bits on every processor",
             "plain lanes and boxes that allow for rounding, against lanes as the processor has them",
         ),
-        "culling" => ("Faces culled", "they are on plain lanes, against both faces on fast ones"),
+        "culling" => ("Back faces culled", "through leaves behind a call, against both faces seen"),
         "robust-boxes" => (
             "Boxes without cracks",
             "the same watertight formula, with tests of boxes that allow for their rounding and without",
@@ -180,7 +180,7 @@ pub(crate) fn tracer(view: &View) -> Table {
 pub(crate) const TRACER: &str = "Time with it over time without, on one thread, single rays: median and \
     quartiles over rounds in which both were timed. values: the closest hit with all its values, against \
     whether there is any. same-bits: plain lanes, which give the same bits on every processor. culling: \
-    back faces not seen, which is on plain lanes too. robust-boxes: the watertight formula in boxes that \
+    back faces not seen, in leaves behind a call. robust-boxes: the watertight formula in boxes that \
     allow for their rounding, against boxes that do not. watertight, exact: trees of these methods, against \
     those of Möller–Trumbore, which the other columns are of.";
 
