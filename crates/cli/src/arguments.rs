@@ -187,7 +187,7 @@ pub(crate) struct Stress {
     /// Seed of every random choice
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Fewer pairs and rays: two minutes instead of fifteen, on two cores
+    /// Fewer pairs and rays: two minutes instead of half an hour and more, on two cores
     #[arg(long)]
     pub quick: bool,
     /// Tests of hostile input in all [default: 2e9, or 2e8 with --quick]

@@ -25,6 +25,8 @@ struct Report {
     threads: usize,
     triangles: usize,
     trees: usize,
+    /// Edges that do not join two triangles of a tree.
+    open_edges: usize,
     method: &'static str,
     /// The form that leaves test triangles in.
     division: &'static str,
@@ -74,6 +76,7 @@ pub(crate) fn run(arguments: &Explain) -> Result<()> {
         depth: arguments.depth,
         threads: pool.current_num_threads(),
         triangles: stage.triangles(),
+        open_edges: triangles.iter().map(|of_tree| trisect_harness::open_edges(of_tree)).sum(),
         trees: stage.trees().count(),
         method: entry.info.name,
         division: entry.f32.divisions().next().unwrap_or_default(),
@@ -187,10 +190,16 @@ impl Report {
             _ => "between the quickest to build and the fastest to trace",
         };
         let [kernel, behind] = self.kernel();
+        let surface = match self.open_edges {
+            _ if self.triangles == 0 => "no triangles".to_owned(),
+            0 => "closed: a method that is watertight lets no ray through".to_owned(),
+            edges => format!("open along {edges} edges: no method is needed that is watertight"),
+        };
         writeln!(
             out,
             "{}\n\
              trees    {}, with {} triangles, by the {} builder, {}\n\
+             surface  {}\n\
              method   {}, unless another is asked for with --method\n\
              lanes    {} of f32 on {}, the best for eight triangles here\n\
              division {}, as a leaf has it; shadow rays get no t, no barycentrics\n\
@@ -201,6 +210,7 @@ impl Report {
             self.triangles,
             self.builder,
             why,
+            surface,
             self.method,
             self.lanes,
             self.instruction_set,

@@ -16,6 +16,7 @@ pub mod stats;
 mod stress;
 mod study;
 mod subject;
+mod surface;
 mod timing;
 
 pub use explain::{Explanation, Omission, explain};
@@ -27,4 +28,5 @@ pub use recommend::{
 };
 pub use stress::{NotExact, StressSettings, stress};
 pub use study::{ClassOfRays, StudyError, StudySettings, classes_of_rays, keep_for_study, study};
+pub use surface::open_edges;
 pub use timing::{WrongAnswer, nanoseconds};

@@ -14,6 +14,7 @@ use crate::measure::{Group, Progress, REFERENCE, answers_of_widest, contenders, 
 use crate::record::{self, Family, Refusal};
 use crate::stats::middle;
 use crate::subject::Subject;
+use crate::surface::open_edges;
 use crate::timing::{self, Contender, WrongAnswer};
 
 /// Rays of a user that kernels answer, at most.
@@ -93,6 +94,8 @@ pub struct Recommendation {
     pub max_error: Option<f64>,
     /// Whether it had to be watertight.
     pub watertight: bool,
+    /// Edges of the user's surface that do not join two triangles; none where it is closed.
+    pub open_edges: usize,
     /// Triangles and rays of the user's, and how many of them kernels were tried on.
     pub triangles: [usize; 2],
     /// Likewise the rays; the last number is of those that were timed.
@@ -215,6 +218,7 @@ pub fn recommend(
         needs: settings.needs.name(),
         max_error: settings.max_error,
         watertight: settings.watertight,
+        open_edges: open_edges(triangles),
         triangles: [triangles.len(), subject.triangles32.len()],
         rays: [rays.len(), subject.rays32.len(), timed_rays],
         hits: subject.truth.len(),

@@ -32,6 +32,19 @@ pub fn recommendation_text(mesh: &str, found: &Recommendation, width: usize) -> 
         width,
         "",
     );
+    match (found.open_edges, found.watertight) {
+        (0, false) => {
+            let says = "The mesh is closed: with --watertight no ray slips between its triangles.";
+            out += &wrap(says, width, "");
+        }
+        (1.., true) => {
+            let edges = grouped(found.open_edges as u64);
+            let says =
+                format!("The mesh is open along {edges} edges: rays pass there all the same.");
+            out += &wrap(&says, width, "");
+        }
+        _ => {}
+    }
     for refused in &found.refused {
         out +=
             &hang("  ", &format!("without {}: {}", refused.method, refused.reason), width, "    ");
