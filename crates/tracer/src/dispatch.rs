@@ -102,7 +102,7 @@ impl<M: Method, T: Found, const ANY: bool, const ROBUST: bool> Job
             }
             Order::Singly => token.run(
                 #[inline(always)]
-                || singly::<M, L, T, ANY, ROBUST>(bvh, token, Culling::None, rays, found),
+                || singly::<M, L, T, ANY, ROBUST, false>(bvh, token, Culling::None, rays, found),
             ),
         }
     }
@@ -125,7 +125,7 @@ impl<M: Method> Job for Plainly<'_, M> {
         let Self { bvh, culling, rays, found } = self;
         token.run(
             #[inline(always)]
-            || singly::<M, L, _, false, true>(bvh, token, culling, rays, found),
+            || singly::<M, L, _, false, true, true>(bvh, token, culling, rays, found),
         );
     }
 }

@@ -128,11 +128,12 @@ pub(crate) fn in_packets<L, T, const ROBUST: bool>(
         || {
             let mut rows = Rows::EMPTY;
             let mut items = vec![Waiting { key: 0, rays: 0 }; waiting::room(tree.depth)];
+            let whole = tree.nodes[0].whole();
             let mut start = 0;
             while start < rays.len() {
                 let part = start..rays.len().min(start + RAYS);
                 let mut left = if numbers.is_empty() {
-                    rows.fill::<L, ROBUST>(token, rays[part.clone()].iter(), false)
+                    rows.fill::<L, ROBUST>(token, rays[part.clone()].iter(), &whole, false)
                 } else {
                     let numbers = numbers[part.clone()].iter();
                     rows.fill::<L, ROBUST>(
@@ -141,6 +142,7 @@ pub(crate) fn in_packets<L, T, const ROBUST: bool>(
                             #[inline(always)]
                             |&number| &rays[number as usize],
                         ),
+                        &whole,
                         false,
                     )
                 };

@@ -3,6 +3,7 @@
 
 use trisect_core::{Interval, Lanes, Ray, Vec3};
 
+use crate::bounds::Bounds;
 use crate::bvh::WIDTH;
 use crate::hit::{NO_HIT, TriangleHit};
 use crate::slabs::Slabs;
@@ -43,14 +44,16 @@ impl Rows {
         best: [NO_HIT; RAYS],
     };
 
-    /// Takes up to [`RAYS`] rays, whose interval is empty where they have nothing, so where they are
-    /// not finite. Those that have anything to find, in bits. With `lines` the numbers of a ray are kept
-    /// together as well, for [`line`](Rows::line).
+    /// Takes up to [`RAYS`] rays, whose interval is empty where they have nothing to find: where they are
+    /// not finite, or miss the `whole`, a box around all others, which of a camera's rays every second one
+    /// does. Those that have anything to find, in bits. With `lines` the numbers of a ray are kept together
+    /// as well, for [`line`](Rows::line).
     #[inline(always)]
     pub(crate) fn fill<'a, L: Lanes<Elem = f32>, const ROBUST: bool>(
         &mut self,
         token: L::Token,
         rays: impl ExactSizeIterator<Item = &'a Ray<f32>>,
+        whole: &Bounds,
         lines: bool,
     ) -> u64 {
         let count = rays.len();
@@ -70,6 +73,9 @@ impl Rows {
         // Whatever was there before finds nothing.
         self.tmin[count..].fill(1.0);
         self.tmax[count..].fill(0.0);
+        let Bounds { min: [x, y, z], max } = *whole;
+        let from = splat::<L>(token, Vec3::new(x, y, z));
+        let to = splat::<L>(token, Vec3::new(max[0], max[1], max[2]));
         let (mut some, mut at) = (0, 0);
         while at < RAYS {
             let ray = Ray {
@@ -79,12 +85,14 @@ impl Rows {
                 tmax: L::load(token, &self.tmax[at..]),
             };
             let Interval { tmin, tmax } = Interval::of(&ray);
+            let slabs = Slabs::new::<ROBUST>(&ray);
+            store(slabs.inverse, &mut self.inverse, at);
+            store(slabs.start, &mut self.start, at);
+            let (enters, leaves) = slabs.cross_either_way::<ROBUST>(from, to, (tmin, tmax));
+            let meets = enters.le(leaves) & tmin.le(tmax);
             tmin.store(&mut self.tmin[at..]);
-            tmax.store(&mut self.tmax[at..]);
-            let Slabs { inverse, start } = Slabs::new::<ROBUST>(&ray);
-            store(inverse, &mut self.inverse, at);
-            store(start, &mut self.start, at);
-            some |= L::bits(tmin.le(tmax)) << at;
+            L::select(meets, tmax, tmax.constant(f32::NEG_INFINITY)).store(&mut self.tmax[at..]);
+            some |= L::bits(meets) << at;
             at += L::N;
         }
         self.best = [NO_HIT; RAYS];

@@ -170,7 +170,7 @@ impl<'a> Flight<'a> {
 /// The nearest hit of each ray, of equally near ones that of the lowest number; any hit where `ANY`. The
 /// tests of boxes allow for rounding where `ROBUST`.
 #[inline(always)]
-pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
+pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool, const CULLS: bool>(
     bvh: &Bvh<M>,
     token: L::Token,
     culling: Culling,
@@ -182,6 +182,7 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
     T: Found,
 {
     let root = &bvh.nodes[0];
+    let whole = root.whole();
     let mut rows = Rows::EMPTY;
     let room = waiting::room(bvh.depth);
     let mut items = vec![0; room * MOST_IN_FLIGHT];
@@ -195,36 +196,15 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
         waiting: Stack::new(parts.next().expect("each has its room")),
     });
     for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
-        let mut left = take_in::<L, ROBUST>(&mut rows, token, rays, const { M::INFO.claims.exact });
-        let mut count = 0;
-        while count < const { in_flight(ANY) }
-            && flights[count].launch::<L, ANY, ROBUST>(token, &rows, root, &mut left)
-        {
-            count += 1;
-        }
-        let mut at = 0;
-        while count > 0 {
-            let flight = &mut flights[at % MOST_IN_FLIGHT];
-            if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, &mut rows)
-                && !flight.launch::<L, ANY, ROBUST>(token, &rows, root, &mut left)
-            {
-                count -= 1;
-                // The last one takes its place, and its turn.
-                flights.swap(at % MOST_IN_FLIGHT, count % MOST_IN_FLIGHT);
-                if at == count {
-                    at = 0;
-                }
-                continue;
-            }
-            at += 1;
-            at = select_unpredictable(at == count, 0, at);
+        let lines = const { M::INFO.claims.exact };
+        let some = rows.fill::<L, ROBUST>(token, rays.iter(), &whole, lines);
+        go::<M, L, ANY, ROBUST, CULLS>(bvh, token, culling, &mut rows, &mut flights, some);
+        if const { M::INFO.claims.exact && !ANY } {
+            arrive(bvh, &mut rows);
         }
         if ANY {
             give_out(&rows, found);
         } else {
-            if const { M::INFO.claims.exact } {
-                arrive(bvh, &mut rows);
-            }
             for (found, best) in found.iter_mut().zip(&rows.best) {
                 *found = T::of(best);
             }
@@ -232,27 +212,59 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool>(
     }
 }
 
-/// Takes rays in. Out of line: or the constants that it needs take registers, and loads at every step,
-/// from the way through the tree.
-#[inline(never)]
-fn take_in<L: Lanes<Elem = f32>, const ROBUST: bool>(
-    rows: &mut Rows,
-    token: L::Token,
-    rays: &[Ray<f32>],
-    lines: bool,
-) -> u64 {
-    token.run(
-        #[inline(always)]
-        || rows.fill::<L, ROBUST>(token, rays.iter(), lines),
-    )
-}
-
-/// Writes down whether rays have found anything. Out of line likewise.
+/// Writes down what rays have found.
 #[inline(never)]
 fn give_out<T: Found>(rows: &Rows, found: &mut [T]) {
     for (found, best) in found.iter_mut().zip(&rows.best) {
         *found = T::of(best);
     }
+}
+
+/// Takes rays through the tree. Out of line: what is done before and after needs constants and registers
+/// that are wanted here.
+#[inline(never)]
+fn go<'a, M, L, const ANY: bool, const ROBUST: bool, const CULLS: bool>(
+    bvh: &'a Bvh<M>,
+    token: L::Token,
+    culling: Culling,
+    rows: &mut Rows,
+    flights: &mut [Flight<'a>; MOST_IN_FLIGHT],
+    some: u64,
+) where
+    M: Method,
+    L: Lanes<Elem = f32>,
+{
+    token.run(
+        #[inline(always)]
+        || {
+            // Known when it is compiled, where it matters: each leaf asks for it.
+            let culling = if CULLS { culling } else { Culling::None };
+            let root = &bvh.nodes[0];
+            let (mut left, mut count) = (some, 0);
+            while count < const { in_flight(ANY) }
+                && flights[count].launch::<L, ANY, ROBUST>(token, rows, root, &mut left)
+            {
+                count += 1;
+            }
+            let mut at = 0;
+            while count > 0 {
+                let flight = &mut flights[at % MOST_IN_FLIGHT];
+                if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, rows)
+                    && !flight.launch::<L, ANY, ROBUST>(token, rows, root, &mut left)
+                {
+                    count -= 1;
+                    // The last one takes its place, and its turn.
+                    flights.swap(at % MOST_IN_FLIGHT, count % MOST_IN_FLIGHT);
+                    if at == count {
+                        at = 0;
+                    }
+                    continue;
+                }
+                at += 1;
+                at = select_unpredictable(at == count, 0, at);
+            }
+        },
+    );
 }
 
 /// The child to visit next, the nearest of those that are met. The others wait, the nearer above the
