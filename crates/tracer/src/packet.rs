@@ -15,7 +15,7 @@ use crate::envelope::Envelope;
 use crate::exactly::{Given, arrive};
 use crate::hit::Found;
 use crate::leaf::{end, test_leaf};
-use crate::rows::{RAYS, Rows, splat};
+use crate::rows::{RAYS, Rows, prefetch, splat};
 use crate::waiting::{self, Stack};
 
 /// A child that waits for a packet.
@@ -146,6 +146,9 @@ pub(crate) fn in_packets<L, T, const ROBUST: bool>(
                         false,
                     )
                 };
+                if numbers.is_empty() {
+                    prefetch(rays, found, part.end);
+                }
                 while left != 0 {
                     let envelope = Envelope::new::<L>(token, &rows, left);
                     left &= !envelope.rays;

@@ -1,6 +1,7 @@
 //! Rays on their way through the tree, number by number, so that what is computed once per ray is computed
 //! for as many as there are lanes.
 
+use prefetch_index::prefetch_index;
 use trisect_core::{Interval, Lanes, Ray, Vec3};
 
 use crate::bounds::Bounds;
@@ -13,6 +14,13 @@ pub(crate) const RAYS: usize = 64;
 
 /// Origin and direction of a ray.
 type Line = [Vec3<f32>; 2];
+
+/// Numbers of a ray.
+const NUMBERS: usize = 8;
+
+/// A ray that finds nothing.
+const NO_RAY: Ray<f32> =
+    Ray { o: Vec3::new(0.0, 0.0, 0.0), d: Vec3::new(0.0, 0.0, 0.0), tmin: 1.0, tmax: 0.0 };
 
 /// A number of each ray.
 type Row = [f32; RAYS];
@@ -52,38 +60,30 @@ impl Rows {
     pub(crate) fn fill<'a, L: Lanes<Elem = f32>, const ROBUST: bool>(
         &mut self,
         token: L::Token,
-        rays: impl ExactSizeIterator<Item = &'a Ray<f32>>,
+        mut rays: impl ExactSizeIterator<Item = &'a Ray<f32>>,
         whole: &Bounds,
         lines: bool,
     ) -> u64 {
-        let count = rays.len();
-        for (place, ray) in rays.enumerate().take(RAYS) {
-            if lines {
-                self.lines[place] = [ray.o, ray.d];
-            }
-            self.o[0][place] = ray.o.x;
-            self.o[1][place] = ray.o.y;
-            self.o[2][place] = ray.o.z;
-            self.d[0][place] = ray.d.x;
-            self.d[1][place] = ray.d.y;
-            self.d[2][place] = ray.d.z;
-            self.tmin[place] = ray.tmin;
-            self.tmax[place] = ray.tmax;
-        }
-        // Whatever was there before finds nothing.
-        self.tmin[count..].fill(1.0);
-        self.tmax[count..].fill(0.0);
+        let count = rays.len().min(RAYS);
         let Bounds { min: [x, y, z], max } = *whole;
         let from = splat::<L>(token, Vec3::new(x, y, z));
         let to = splat::<L>(token, Vec3::new(max[0], max[1], max[2]));
         let (mut some, mut at) = (0, 0);
-        while at < RAYS {
-            let ray = Ray {
-                o: load(token, self.o.each_ref(), at),
-                d: load(token, self.d.each_ref(), at),
-                tmin: L::load(token, &self.tmin[at..]),
-                tmax: L::load(token, &self.tmax[at..]),
-            };
+        while at < count {
+            let mut numbers = [[0.0; NUMBERS]; WIDTH];
+            let mut lane = 0;
+            while lane < L::N {
+                let ray = rays.next().unwrap_or(&NO_RAY);
+                let Ray { o, d, tmin, tmax } = *ray;
+                numbers[lane] = [o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax];
+                if lines {
+                    self.lines[(at + lane) % RAYS] = [o, d];
+                }
+                lane += 1;
+            }
+            let ray = by_number::<L>(token, numbers.as_flattened());
+            store(ray.o, &mut self.o, at);
+            store(ray.d, &mut self.d, at);
             let Interval { tmin, tmax } = Interval::of(&ray);
             let slabs = Slabs::new::<ROBUST>(&ray);
             store(slabs.inverse, &mut self.inverse, at);
@@ -95,6 +95,9 @@ impl Rows {
             some |= L::bits(meets) << at;
             at += L::N;
         }
+        // Whatever was there before finds nothing.
+        self.tmin[at..].fill(1.0);
+        self.tmax[at..].fill(0.0);
         self.best = [NO_HIT; RAYS];
         some
     }
@@ -174,6 +177,47 @@ impl Rows {
     pub(crate) fn many_origins<L: Lanes<Elem = f32>>(&self, token: L::Token, at: usize) -> Vec3<L> {
         load(token, self.o.each_ref(), at)
     }
+}
+
+/// Has the rays fetched that are taken in next, and the places where it is written what they find.
+#[inline(always)]
+pub(crate) fn prefetch<T>(rays: &[Ray<f32>], found: &[T], start: usize) {
+    let end = rays.len().min(start + RAYS);
+    let mut at = start;
+    while at < end {
+        // A cache line holds two rays, and hardly more of what they find.
+        prefetch_index(rays, at);
+        prefetch_index(found, at);
+        at += 2;
+    }
+}
+
+/// As many rays as there are lanes, number by number, from the numbers of one after another.
+#[inline(always)]
+fn by_number<L: Lanes<Elem = f32>>(token: L::Token, numbers: &[f32]) -> Ray<L> {
+    // In vectors as they come. The place of a number, in bits, is the ray's and then the number's own; to
+    // interleave those of the first half with those of the second rotates it by a bit: once for each bit
+    // of the ray's place, and a vector has a number of all rays.
+    let mut vectors = [
+        L::load(token, numbers),
+        L::load(token, &numbers[L::N..]),
+        L::load(token, &numbers[2 * L::N..]),
+        L::load(token, &numbers[3 * L::N..]),
+        L::load(token, &numbers[4 * L::N..]),
+        L::load(token, &numbers[5 * L::N..]),
+        L::load(token, &numbers[6 * L::N..]),
+        L::load(token, &numbers[7 * L::N..]),
+    ];
+    let mut rays = 1;
+    while rays < L::N {
+        let [a, b, c, d, e, f, g, h] = vectors;
+        let ((a, e), (b, f)) = (a.interleave(e), b.interleave(f));
+        let ((c, g), (d, h)) = (c.interleave(g), d.interleave(h));
+        vectors = [a, e, b, f, c, g, d, h];
+        rays *= 2;
+    }
+    let [ox, oy, oz, dx, dy, dz, tmin, tmax] = vectors;
+    Ray { o: Vec3::new(ox, oy, oz), d: Vec3::new(dx, dy, dz), tmin, tmax }
 }
 
 /// A vector for each lane, from a place of three rows on.

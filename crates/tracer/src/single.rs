@@ -8,7 +8,7 @@ use crate::bvh::{Bvh, Child, Node, WIDTH, child};
 use crate::exactly::{Given, arrive};
 use crate::hit::Found;
 use crate::leaf::{end, test_leaf};
-use crate::rows::{RAYS, Rows};
+use crate::rows::{RAYS, Rows, prefetch};
 use crate::waiting::{self, Stack};
 
 /// What waits to be visited: a child, as the [`key`](waiting::key) of its number; where any hit will do,
@@ -195,7 +195,12 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool, const CULLS: 
         distances: [0.0; WIDTH],
         waiting: Stack::new(parts.next().expect("each has its room")),
     });
-    for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
+    let mut start = 0;
+    while start < rays.len() {
+        let end = rays.len().min(start + RAYS);
+        prefetch(rays, found, end);
+        let (rays, found) = (&rays[start..end], &mut found[start..end]);
+        start = end;
         let lines = const { M::INFO.claims.exact };
         let some = rows.fill::<L, ROBUST>(token, rays.iter(), &whole, lines);
         go::<M, L, ANY, ROBUST, CULLS>(bvh, token, culling, &mut rows, &mut flights, some);
