@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use trisect_core::{Culling, Lanes, Method, Ray, Token as _, Vec3};
 
+use crate::abreast;
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
 use crate::envelope::Envelope;
 use crate::exactly::{Given, arrive};
@@ -63,6 +64,11 @@ where
             #[inline(always)]
             || {
                 let mut any = false;
+                if const { abreast::suits::<M, ANY>() } {
+                    let (some, rest) =
+                        abreast::test_leaf::<M, L, ANY, ROBUST>(token, bvh, &blocks, rows, rays);
+                    (any, rays) = (some, rest);
+                }
                 while rays != 0 {
                     let place = rays.trailing_zeros() as usize % RAYS;
                     rays &= rays - 1;
@@ -73,7 +79,7 @@ where
                     let is_hit = best.is_hit();
                     any |= is_hit;
                     let tmax = end::<ANY, ROBUST>(best, ray.tmax);
-                    rows.end(place, select_unpredictable(is_hit, tmax, ray.tmax));
+                    rows.shorten(place, select_unpredictable(is_hit, tmax, ray.tmax));
                 }
                 any
             },
@@ -133,7 +139,7 @@ pub(crate) fn in_packets<L, T, const ROBUST: bool>(
             while start < rays.len() {
                 let part = start..rays.len().min(start + RAYS);
                 let mut left = if numbers.is_empty() {
-                    rows.fill::<L, ROBUST>(token, rays[part.clone()].iter(), &whole, false)
+                    rows.fill::<L, ROBUST>(token, rays[part.clone()].iter(), &whole, true)
                 } else {
                     let numbers = numbers[part.clone()].iter();
                     rows.fill::<L, ROBUST>(
@@ -143,7 +149,7 @@ pub(crate) fn in_packets<L, T, const ROBUST: bool>(
                             |&number| &rays[number as usize],
                         ),
                         &whole,
-                        false,
+                        true,
                     )
                 };
                 if numbers.is_empty() {

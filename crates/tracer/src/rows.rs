@@ -12,9 +12,6 @@ use crate::slabs::Slabs;
 /// How many rays: one for each bit of a mask.
 pub(crate) const RAYS: usize = 64;
 
-/// Origin and direction of a ray.
-type Line = [Vec3<f32>; 2];
-
 /// Numbers of a ray.
 const NUMBERS: usize = 8;
 
@@ -28,8 +25,9 @@ type Row = [f32; RAYS];
 /// Rays, what their tests of boxes need, and what they have found.
 #[repr(align(64))]
 pub(crate) struct Rows {
-    /// Origins and directions together, where they are [kept so](Rows::fill).
-    lines: [Line; RAYS],
+    /// The numbers of each ray together, where they are [kept so](Rows::fill). The interval is the given
+    /// one, but for its end once it is [shortened](Rows::shorten).
+    together: [[f32; NUMBERS]; RAYS],
     o: [Row; 3],
     d: [Row; 3],
     /// The ends of their intervals, the last of which is at the best hit, where there is one.
@@ -42,7 +40,7 @@ pub(crate) struct Rows {
 
 impl Rows {
     pub(crate) const EMPTY: Self = Self {
-        lines: [[Vec3::new(0.0, 0.0, 0.0); 2]; RAYS],
+        together: [[0.0; NUMBERS]; RAYS],
         o: [[0.0; RAYS]; 3],
         d: [[0.0; RAYS]; 3],
         tmin: [0.0; RAYS],
@@ -54,15 +52,15 @@ impl Rows {
 
     /// Takes up to [`RAYS`] rays, whose interval is empty where they have nothing to find: where they are
     /// not finite, or miss the `whole`, a box around all others, which of a camera's rays every second one
-    /// does. Those that have anything to find, in bits. With `lines` the numbers of a ray are kept together
-    /// as well, for [`line`](Rows::line).
+    /// does. Those that have anything to find, in bits. The numbers of a ray are kept `together` as well,
+    /// for [`line`](Rows::line) and [`abreast`](Rows::abreast).
     #[inline(always)]
     pub(crate) fn fill<'a, L: Lanes<Elem = f32>, const ROBUST: bool>(
         &mut self,
         token: L::Token,
         mut rays: impl ExactSizeIterator<Item = &'a Ray<f32>>,
         whole: &Bounds,
-        lines: bool,
+        together: bool,
     ) -> u64 {
         let count = rays.len().min(RAYS);
         let Bounds { min: [x, y, z], max } = *whole;
@@ -76,8 +74,8 @@ impl Rows {
                 let ray = rays.next().unwrap_or(&NO_RAY);
                 let Ray { o, d, tmin, tmax } = *ray;
                 numbers[lane] = [o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax];
-                if lines {
-                    self.lines[(at + lane) % RAYS] = [o, d];
+                if together {
+                    self.together[(at + lane) % RAYS] = numbers[lane];
                 }
                 lane += 1;
             }
@@ -119,8 +117,33 @@ impl Rows {
     #[inline(always)]
     pub(crate) fn line(&self, place: usize) -> Ray<f32> {
         let at = place % RAYS;
-        let [o, d] = self.lines[at];
+        let [ox, oy, oz, dx, dy, dz, ..] = self.together[at];
+        let (o, d) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
         Ray { o, d, tmin: self.tmin[at], tmax: self.tmax[at] }
+    }
+
+    /// Takes as many of some rays, in bits, as there are lanes, which are kept together: them, number by
+    /// number, and their places. Lanes that are left over have a ray that finds nothing.
+    #[inline(always)]
+    pub(crate) fn abreast<L: Lanes<Elem = f32>>(
+        &self,
+        token: L::Token,
+        rays: &mut u64,
+    ) -> (Ray<L>, [u8; WIDTH]) {
+        let Ray { o, d, tmin, tmax } = NO_RAY;
+        let mut numbers = [[o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax]; WIDTH];
+        let mut places = [0; WIDTH];
+        let mut count = 0;
+        while count < L::N && *rays != 0 {
+            let place = rays.trailing_zeros() as usize % RAYS;
+            *rays &= *rays - 1;
+            numbers[count] = self.together[place];
+            #[allow(clippy::cast_possible_truncation, reason = "there are few rays")]
+            let place = place as u8;
+            places[count] = place;
+            count += 1;
+        }
+        (by_number::<L>(token, numbers.as_flattened()), places)
     }
 
     /// Where a ray's interval ends.
@@ -133,6 +156,13 @@ impl Rows {
     #[inline(always)]
     pub(crate) fn end(&mut self, place: usize, tmax: f32) {
         self.tmax[place % RAYS] = tmax;
+    }
+
+    /// The same of a ray that is kept together.
+    #[inline(always)]
+    pub(crate) fn shorten(&mut self, place: usize, tmax: f32) {
+        self.end(place, tmax);
+        self.together[place % RAYS][NUMBERS - 1] = tmax;
     }
 
     /// Of one ray, in all lanes: for its tests of boxes.

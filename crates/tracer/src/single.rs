@@ -201,8 +201,8 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool, const CULLS: 
         prefetch(rays, found, end);
         let (rays, found) = (&rays[start..end], &mut found[start..end]);
         start = end;
-        let lines = const { M::INFO.claims.exact };
-        let some = rows.fill::<L, ROBUST>(token, rays.iter(), &whole, lines);
+        let together = const { M::INFO.claims.exact };
+        let some = rows.fill::<L, ROBUST>(token, rays.iter(), &whole, together);
         go::<M, L, ANY, ROBUST, CULLS>(bvh, token, culling, &mut rows, &mut flights, some);
         if const { M::INFO.claims.exact && !ANY } {
             arrive(bvh, &mut rows);
