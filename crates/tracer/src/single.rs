@@ -15,14 +15,9 @@ use crate::waiting::{self, Stack};
 /// a node's number and above it, in bits, those of its children that are left.
 type Waiting = u64;
 
-/// Rays that are on their way at the same time, at most: while one waits for the outcome of its last
-/// test, the others go on.
-const MOST_IN_FLIGHT: usize = 4;
-
-/// How many: more lost where it was tried.
-const fn in_flight(any: bool) -> usize {
-    if any { MOST_IN_FLIGHT } else { 3 }
-}
+/// Rays that are on their way at the same time: while one waits for the outcome of its last test, the
+/// others go on. More lost where it was tried.
+const IN_FLIGHT: usize = 4;
 
 /// A ray under way. Aligned, so that no vector of it is in two cache lines.
 #[repr(C, align(64))]
@@ -185,9 +180,9 @@ pub(crate) fn singly<M, L, T, const ANY: bool, const ROBUST: bool, const CULLS: 
     let whole = root.whole();
     let mut rows = Rows::EMPTY;
     let room = waiting::room(bvh.depth);
-    let mut items = vec![0; room * MOST_IN_FLIGHT];
+    let mut items = vec![0; room * IN_FLIGHT];
     let mut parts = items.chunks_exact_mut(room);
-    let mut flights: [Flight<'_>; MOST_IN_FLIGHT] = std::array::from_fn(|_| Flight {
+    let mut flights: [Flight<'_>; IN_FLIGHT] = std::array::from_fn(|_| Flight {
         place: 0,
         node: root,
         number: 0,
@@ -233,7 +228,7 @@ fn go<'a, M, L, const ANY: bool, const ROBUST: bool, const CULLS: bool>(
     token: L::Token,
     culling: Culling,
     rows: &mut Rows,
-    flights: &mut [Flight<'a>; MOST_IN_FLIGHT],
+    flights: &mut [Flight<'a>; IN_FLIGHT],
     some: u64,
 ) where
     M: Method,
@@ -246,20 +241,20 @@ fn go<'a, M, L, const ANY: bool, const ROBUST: bool, const CULLS: bool>(
             let culling = if CULLS { culling } else { Culling::None };
             let root = &bvh.nodes[0];
             let (mut left, mut count) = (some, 0);
-            while count < const { in_flight(ANY) }
+            while count < IN_FLIGHT
                 && flights[count].launch::<L, ANY, ROBUST>(token, rows, root, &mut left)
             {
                 count += 1;
             }
             let mut at = 0;
             while count > 0 {
-                let flight = &mut flights[at % MOST_IN_FLIGHT];
+                let flight = &mut flights[at % IN_FLIGHT];
                 if flight.step::<M, L, ANY, ROBUST>(bvh, token, culling, rows)
                     && !flight.launch::<L, ANY, ROBUST>(token, rows, root, &mut left)
                 {
                     count -= 1;
                     // The last one takes its place, and its turn.
-                    flights.swap(at % MOST_IN_FLIGHT, count % MOST_IN_FLIGHT);
+                    flights.swap(at % IN_FLIGHT, count % IN_FLIGHT);
                     if at == count {
                         at = 0;
                     }
