@@ -1,6 +1,7 @@
 //! Rays in packets: those that look into one octant go down the tree together. A node's eight children
 //! are tested at once for all of them; a child that passes is tested for as many rays at once as there are
-//! lanes; and a leaf's triangles, eight at once, for each ray that is left.
+//! lanes; and a leaf's triangles, eight at once, for each ray that is left, or one after another for
+//! many of them, see [`abreast`].
 //!
 //! Overbeck, Ramamoorthi, Mark: Large Ray Packets for Real-time Whitted Ray Tracing. IEEE Symposium on
 //! Interactive Ray Tracing, 2008.
