@@ -108,6 +108,9 @@ pub trait Lanes: Number {
     /// `a` where `m` holds, else `b`.
     #[must_use]
     fn select(m: Self::Mask, a: Self, b: Self) -> Self;
+    /// The lanes of both in turn, `a₀ b₀ a₁ b₁ …`: the first half of them, and the second.
+    #[must_use]
+    fn interleave(self, b: Self) -> (Self, Self);
     /// Whether any lane holds.
     fn any(m: Self::Mask) -> bool;
     /// Lane i in bit i.
@@ -233,6 +236,10 @@ macro_rules! single_lane {
             #[inline(always)]
             fn select(m: bool, a: Self, b: Self) -> Self {
                 if m { a } else { b }
+            }
+            #[inline(always)]
+            fn interleave(self, b: Self) -> (Self, Self) {
+                (self, b)
             }
             #[inline(always)]
             fn any(m: bool) -> bool {
@@ -490,6 +497,11 @@ where
         Self::new(m.select(a.lanes, b.lanes))
     }
     #[inline(always)]
+    fn interleave(self, b: Self) -> (Self, Self) {
+        let (first, second) = self.lanes.interleave(b.lanes);
+        (Self::new(first), Self::new(second))
+    }
+    #[inline(always)]
     fn any(m: V::Mask) -> bool {
         m.any_true()
     }
@@ -533,6 +545,33 @@ mod tests {
                 assert_eq!([least, largest], [a.min(b), a.max(b)].map(f64::from));
             }
         }
+    }
+
+    fn interleaved<L: Lanes<Elem = f32>>() {
+        let Some(token) = L::Token::detect() else { return };
+        let numbers: Vec<f32> = (0_u8..32).map(f32::from).collect();
+        let (first, second) = L::load(token, &numbers).interleave(L::load(token, &numbers[L::N..]));
+        let mut all = [0.0; 32];
+        first.store(&mut all);
+        second.store(&mut all[L::N..]);
+        let expected = (0..L::N).flat_map(|lane| [numbers[lane], numbers[L::N + lane]]);
+        assert!(expected.eq(all[..2 * L::N].iter().copied()), "{all:?}");
+    }
+
+    #[test]
+    fn lanes_of_both_take_turns() {
+        interleaved::<f32>();
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        {
+            use fearless_simd::x86::{Avx2, Avx512, Sse4_2};
+            interleaved::<Vector<Sse4_2, f32x4<Sse4_2>, Plain>>();
+            interleaved::<Vector<Avx2, f32x8<Avx2>, Plain>>();
+            interleaved::<Vector<Avx512, f32x8<Avx512>, Plain>>();
+        }
+        #[cfg(target_arch = "aarch64")]
+        interleaved::<
+            Vector<fearless_simd::aarch64::Neon, f32x4<fearless_simd::aarch64::Neon>, Plain>,
+        >();
     }
 
     #[test]

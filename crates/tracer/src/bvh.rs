@@ -62,6 +62,24 @@ impl Node {
         prefetch_index(self.children.as_slice(), 0);
     }
 
+    /// The box around all children. Whichever ray meets one of them meets this: rounding keeps the order
+    /// of distances to planes. Out of line, as it is asked for once.
+    #[inline(never)]
+    pub(crate) fn whole(&self) -> Bounds {
+        let mut whole = Bounds { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
+        for lane in 0..WIDTH {
+            let Bounds { min, max } = self.bounds_of(lane);
+            for axis in 0..3 {
+                // Not a place without a child, whose box is at infinity.
+                if min[axis] < f32::INFINITY {
+                    whole.min[axis] = whole.min[axis].min(min[axis]);
+                    whole.max[axis] = whole.max[axis].max(max[axis]);
+                }
+            }
+        }
+        whole
+    }
+
     /// The box of a child.
     pub(crate) fn bounds_of(&self, lane: usize) -> Bounds {
         let corner = |row: usize| [0, 1, 2].map(|axis| self.bounds[axis][row][lane]);

@@ -15,7 +15,7 @@ use crate::rows::least;
 use crate::slabs::{ROUNDINGS, UNDERFLOW};
 
 /// Stands for the triangle where any will do.
-const ANYTHING: u32 = 0;
+pub(crate) const ANYTHING: u32 = 0;
 
 /// Where a ray's interval ends after its best hit, not later than it did.
 #[inline(always)]
@@ -128,7 +128,7 @@ fn test_block<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usiz
 /// where `ANY` hit will do. It does not ask whether anything is hit: in a leaf that a ray has come to that
 /// is as likely as not, and a branch that is foretold wrongly costs as much as the rest of the test.
 #[inline(always)]
-fn test<M: Method, L: Lanes, const ANY: bool>(
+pub(crate) fn test<M: Method, L: Lanes, const ANY: bool>(
     ray: &M::PreparedRay<L>,
     triangle: &Of<M::Prepared, L>,
     interval: Interval<L>,

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use trisect_core::{Culling, Lanes, Method, Token as _};
 
+use crate::abreast;
 use crate::bvh::{Bvh, Child, Node, child};
 use crate::exactly::{self, Given};
 use crate::leaf::{end, test_leaf};
@@ -85,7 +86,7 @@ where
         let is_hit = best.is_hit();
         if is_hit {
             let tmax = end::<ANY, ROBUST>(best, ray.tmax);
-            rows.end(place, tmax);
+            rows.shorten(place, tmax);
         }
         is_hit
     }
@@ -144,6 +145,11 @@ where
             #[inline(always)]
             || {
                 let mut any = false;
+                if const { abreast::suits::<M, ANY>() } {
+                    let (some, rest) =
+                        abreast::test_leaf::<M, L, F, ANY, ROBUST>(token, bvh, &blocks, rows, rays);
+                    (any, rays) = (some, rest);
+                }
                 while rays != 0 {
                     let place = rays.trailing_zeros() as usize % RAYS;
                     rays &= rays - 1;
@@ -154,7 +160,7 @@ where
                     let is_hit = best.is_hit();
                     any |= is_hit;
                     let tmax = end::<ANY, ROBUST>(best, ray.tmax);
-                    rows.end(place, select_unpredictable(is_hit, tmax, ray.tmax));
+                    rows.shorten(place, select_unpredictable(is_hit, tmax, ray.tmax));
                 }
                 any
             },

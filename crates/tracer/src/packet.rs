@@ -1,6 +1,7 @@
 //! Rays in packets: those that look into one octant go down the tree together. A node's eight children
 //! are tested at once for all of them; a child that passes is tested for as many rays at once as there are
-//! lanes; and a leaf's triangles, eight at once, for each ray that is left.
+//! lanes; and a leaf's triangles, eight at once, for each ray that is left, or one after another for
+//! many of them, see [`abreast`].
 //!
 //! Overbeck, Ramamoorthi, Mark: Large Ray Packets for Real-time Whitted Ray Tracing. IEEE Symposium on
 //! Interactive Ray Tracing, 2008.
@@ -11,7 +12,7 @@ use crate::bvh::{Child, WIDTH, child};
 use crate::envelope::Envelope;
 use crate::hit::Found;
 use crate::leaves::Whole;
-use crate::rows::{RAYS, Rows, splat};
+use crate::rows::{RAYS, Rows, prefetch, splat};
 use crate::waiting::{self, Stack};
 
 /// A child that waits for a packet.
@@ -40,11 +41,12 @@ pub(crate) fn in_packets<L, T, const ROBUST: bool>(
         || {
             let mut rows = Rows::EMPTY;
             let mut items = vec![Waiting { key: 0, rays: 0 }; waiting::room(tree.depth)];
+            let whole = tree.nodes[0].whole();
             let mut start = 0;
             while start < rays.len() {
                 let part = start..rays.len().min(start + RAYS);
                 let mut left = if numbers.is_empty() {
-                    rows.fill::<L, ROBUST>(token, rays[part.clone()].iter(), false)
+                    rows.fill::<L, ROBUST>(token, rays[part.clone()].iter(), &whole, true)
                 } else {
                     let numbers = numbers[part.clone()].iter();
                     rows.fill::<L, ROBUST>(
@@ -53,9 +55,13 @@ pub(crate) fn in_packets<L, T, const ROBUST: bool>(
                             #[inline(always)]
                             |&number| &rays[number as usize],
                         ),
-                        false,
+                        &whole,
+                        true,
                     )
                 };
+                if numbers.is_empty() {
+                    prefetch(rays, found, part.end);
+                }
                 while left != 0 {
                     let envelope = Envelope::new::<L>(token, &rows, left);
                     left &= !envelope.rays;

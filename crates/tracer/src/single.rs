@@ -7,21 +7,16 @@ use trisect_core::{Lanes, Ray, Token as _};
 use crate::bvh::{Child, Node, WIDTH, child};
 use crate::hit::Found;
 use crate::leaves::ForSingleRays;
-use crate::rows::{RAYS, Rows};
+use crate::rows::{RAYS, Rows, prefetch};
 use crate::waiting::{self, Stack};
 
 /// What waits to be visited: a child, as the [`key`](waiting::key) of its number; where any hit will do,
 /// a node's number and above it, in bits, those of its children that are left.
 type Waiting = u64;
 
-/// Rays that are on their way at the same time, at most: while one waits for the outcome of its last
-/// test, the others go on.
-const MOST_IN_FLIGHT: usize = 4;
-
-/// How many: more lost where it was tried.
-const fn in_flight(any: bool) -> usize {
-    if any { MOST_IN_FLIGHT } else { 3 }
-}
+/// Rays that are on their way at the same time: while one waits for the outcome of its last test, the
+/// others go on. More lost where it was tried.
+const IN_FLIGHT: usize = 4;
 
 /// A ray under way. Aligned, so that no vector of it is in two cache lines.
 #[repr(C, align(64))]
@@ -169,11 +164,12 @@ pub(crate) fn singly<A, L, T, const ANY: bool, const ROBUST: bool>(
     T: Found,
 {
     let root = &tree.nodes()[0];
+    let whole = root.whole();
     let mut rows = Rows::EMPTY;
     let room = waiting::room(tree.depth());
-    let mut items = vec![0; room * MOST_IN_FLIGHT];
+    let mut items = vec![0; room * IN_FLIGHT];
     let mut parts = items.chunks_exact_mut(room);
-    let mut flights: [Flight<'_>; MOST_IN_FLIGHT] = std::array::from_fn(|_| Flight {
+    let mut flights: [Flight<'_>; IN_FLIGHT] = std::array::from_fn(|_| Flight {
         place: 0,
         node: root,
         number: 0,
@@ -181,35 +177,18 @@ pub(crate) fn singly<A, L, T, const ANY: bool, const ROBUST: bool>(
         distances: [0.0; WIDTH],
         waiting: Stack::new(parts.next().expect("each has its room")),
     });
-    for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
-        let mut left = take_in::<L, ROBUST>(&mut rows, token, rays, A::LINES);
-        let mut count = 0;
-        while count < const { in_flight(ANY) }
-            && flights[count].launch::<L, ANY, ROBUST>(token, &rows, root, &mut left)
-        {
-            count += 1;
-        }
-        let mut at = 0;
-        while count > 0 {
-            let flight = &mut flights[at % MOST_IN_FLIGHT];
-            if flight.step::<A, L, ANY, ROBUST>(tree, token, &mut rows)
-                && !flight.launch::<L, ANY, ROBUST>(token, &rows, root, &mut left)
-            {
-                count -= 1;
-                // The last one takes its place, and its turn.
-                flights.swap(at % MOST_IN_FLIGHT, count % MOST_IN_FLIGHT);
-                if at == count {
-                    at = 0;
-                }
-                continue;
-            }
-            at += 1;
-            at = select_unpredictable(at == count, 0, at);
-        }
+    let mut start = 0;
+    while start < rays.len() {
+        let end = rays.len().min(start + RAYS);
+        prefetch(rays, found, end);
+        let (rays, found) = (&rays[start..end], &mut found[start..end]);
+        start = end;
+        let some = rows.fill::<L, ROBUST>(token, rays.iter(), &whole, A::LINES);
+        go::<A, L, ANY, ROBUST>(tree, token, &mut rows, &mut flights, some);
+        tree.arrive(&mut rows);
         if ANY {
             give_out(&rows, found);
         } else {
-            tree.arrive(&mut rows);
             for (found, best) in found.iter_mut().zip(&rows.best) {
                 *found = T::of(best);
             }
@@ -217,27 +196,56 @@ pub(crate) fn singly<A, L, T, const ANY: bool, const ROBUST: bool>(
     }
 }
 
-/// Takes rays in. Out of line: or the constants that it needs take registers, and loads at every step,
-/// from the way through the tree.
-#[inline(never)]
-fn take_in<L: Lanes<Elem = f32>, const ROBUST: bool>(
-    rows: &mut Rows,
-    token: L::Token,
-    rays: &[Ray<f32>],
-    lines: bool,
-) -> u64 {
-    token.run(
-        #[inline(always)]
-        || rows.fill::<L, ROBUST>(token, rays.iter(), lines),
-    )
-}
-
-/// Writes down whether rays have found anything. Out of line likewise.
+/// Writes down what rays have found.
 #[inline(never)]
 fn give_out<T: Found>(rows: &Rows, found: &mut [T]) {
     for (found, best) in found.iter_mut().zip(&rows.best) {
         *found = T::of(best);
     }
+}
+
+/// Takes rays through the tree. Out of line: what is done before and after needs constants and registers
+/// that are wanted here.
+#[inline(never)]
+fn go<'a, A, L, const ANY: bool, const ROBUST: bool>(
+    tree: &'a A,
+    token: L::Token,
+    rows: &mut Rows,
+    flights: &mut [Flight<'a>; IN_FLIGHT],
+    some: u64,
+) where
+    A: ForSingleRays<L, ANY, ROBUST>,
+    L: Lanes<Elem = f32>,
+{
+    token.run(
+        #[inline(always)]
+        || {
+            let root = &tree.nodes()[0];
+            let (mut left, mut count) = (some, 0);
+            while count < IN_FLIGHT
+                && flights[count].launch::<L, ANY, ROBUST>(token, rows, root, &mut left)
+            {
+                count += 1;
+            }
+            let mut at = 0;
+            while count > 0 {
+                let flight = &mut flights[at % IN_FLIGHT];
+                if flight.step::<A, L, ANY, ROBUST>(tree, token, rows)
+                    && !flight.launch::<L, ANY, ROBUST>(token, rows, root, &mut left)
+                {
+                    count -= 1;
+                    // The last one takes its place, and its turn.
+                    flights.swap(at % IN_FLIGHT, count % IN_FLIGHT);
+                    if at == count {
+                        at = 0;
+                    }
+                    continue;
+                }
+                at += 1;
+                at = select_unpredictable(at == count, 0, at);
+            }
+        },
+    );
 }
 
 /// The child to visit next, the nearest of those that are met. The others wait, the nearer above the
