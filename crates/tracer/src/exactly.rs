@@ -5,6 +5,7 @@
 //! is settled at once, exactly; and values are computed once, when the ray has arrived.
 
 use std::hint::select_unpredictable;
+use std::ops::Range;
 
 use trisect_core::{
     Culling, DecisionOnly, Deferred, Hit, Interval, Lanes, Method, Of, Ray, Record as _, Screened,
@@ -45,46 +46,89 @@ fn place_of(block: usize, lane: usize) -> u32 {
     (block * WIDTH + lane) as u32
 }
 
-/// Takes what comes before the best hit of the lanes of a block from `lane` on.
+/// Takes what comes before the best hit of the lanes of a block from `lane` on. The lanes that may, in
+/// bits, where the bounds do not tell which of them does; nothing is taken then.
 #[inline(always)]
-pub(crate) fn take<M: Method, L: Lanes<Elem = f32>>(
-    given: Given<'_, M>,
+pub(crate) fn take<L: Lanes<Elem = f32>>(
     block: usize,
     lane: usize,
     screened: Screened<L>,
     best: &mut TriangleHit,
-) {
+) -> u64 {
     let Screened { certain, open, low, high } = screened;
-    let certain_high = L::select(certain, high, high.constant(f32::INFINITY));
-    let first_high = least(certain_high);
-    let bits = L::bits(certain);
-    let first = (bits & L::bits(certain_high.le(high.constant(first_high)))).trailing_zeros();
-    let first = first as usize % WIDTH;
+    let first_high = least(L::select(certain, high, high.constant(f32::INFINITY)));
     let mut lows = [0.0; WIDTH];
     low.store(&mut lows);
     let (best_low, best_high) = (best.hit.beta, best.hit.t);
     let is_before = first_high < best_low;
-    // All that may come before, or at the same point.
-    let end = select_unpredictable(is_before, first_high, best_high);
-    let near = (bits | open) & L::bits(low.le(low.constant(end)));
-    if near != u64::from(is_before) << first {
-        settle(given, block, near << lane, best);
-        return;
+    // All that may come before, or at the same point: among them whatever ends there.
+    let end = Lanes::min(first_high, best_high);
+    let near = L::bits(certain) & L::bits(low.le(low.constant(end))) | open;
+    // One, where it is before the best hit, and otherwise none.
+    if near & near.wrapping_sub(u64::from(is_before)) != 0 {
+        return near;
     }
+    let first = near.trailing_zeros() as usize % WIDTH;
     let place = place_of(block, lane + first);
     best.triangle = select_unpredictable(is_before, place, best.triangle);
     best.hit.t = end;
     best.hit.beta = select_unpredictable(is_before, lows[first], best_low);
+    0
 }
 
-/// Takes the first of some lanes of a block, where it comes before the best hit: decides and orders exactly.
+/// What is left of a leaf to be settled: the lanes of the first of some blocks, in bits, and all of the
+/// others. Nothing where there are no bits.
+#[must_use]
+pub(crate) struct Left {
+    pub(crate) blocks: Range<usize>,
+    pub(crate) near: u64,
+}
+
+/// Settles what a test of a leaf has left of a ray, if anything. Where it was called in the loop over blocks all that
+/// is computed before would be kept in memory, and fetched from there in every round; and the ray, had it
+/// to be handed on.
+#[inline(always)]
+pub(crate) fn settle_at<M: Method>(
+    bvh: &Bvh<M>,
+    culling: Culling,
+    rows: &mut Rows,
+    place: usize,
+    left: &Left,
+) {
+    if const { M::INFO.claims.exact } && left.near != 0 {
+        let Left { blocks: Range { start, end }, near } = *left;
+        settle_in_rows(bvh, culling, rows, place, (start, end), near);
+    }
+}
+
 #[cold]
 #[inline(never)]
-fn settle<M: Method>(given: Given<'_, M>, block: usize, near: u64, best: &mut TriangleHit) {
+fn settle_in_rows<M: Method>(
+    bvh: &Bvh<M>,
+    culling: Culling,
+    rows: &mut Rows,
+    place: usize,
+    (start, end): (usize, usize),
+    near: u64,
+) {
+    let place = place % RAYS;
+    let given = Given { bvh, ray: rows.ray(place), culling };
+    settle(given, Left { blocks: start..end, near }, &mut rows.best[place]);
+}
+
+/// Takes the first of what is left where it comes before the best hit: decides and orders exactly.
+#[cold]
+pub(crate) fn settle<M: Method>(
+    given: Given<'_, M>,
+    Left { blocks, near }: Left,
+    best: &mut TriangleHit,
+) {
     let Given { bvh, ref ray, .. } = given;
     let known = best.is_hit().then(|| bvh.triangle(best.triangle));
     let mut first = None;
-    for lane in (0..WIDTH).filter(|lane| near >> lane & 1 != 0) {
+    let lanes = blocks.clone().flat_map(|block| (0..WIDTH).map(move |lane| (block, lane)));
+    let is_near = |&(block, lane): &(usize, usize)| block > blocks.start || near >> lane & 1 != 0;
+    for (block, lane) in lanes.filter(is_near) {
         let place = place_of(block, lane);
         let triangle = bvh.triangle(place);
         let prepared = bvh.prepared(place);

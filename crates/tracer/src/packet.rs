@@ -12,7 +12,7 @@ use trisect_core::{Culling, Lanes, Method, Ray, Token as _, Vec3};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
 use crate::envelope::Envelope;
-use crate::exactly::{Given, arrive};
+use crate::exactly::{Given, arrive, settle_at};
 use crate::hit::Found;
 use crate::leaf::{end, test_leaf};
 use crate::rows::{RAYS, Rows, splat};
@@ -69,7 +69,9 @@ where
                     let (ray, best) = (rows.ray(place), &mut rows.best[place]);
                     let blocks = blocks.clone();
                     let given = Given { bvh, ray, culling: Culling::None };
-                    test_leaf::<M, L, ANY>(token, blocks, given, best);
+                    let left = test_leaf::<M, L, ANY>(token, blocks, given, best);
+                    settle_at(bvh, Culling::None, rows, place, &left);
+                    let best = &rows.best[place];
                     let is_hit = best.is_hit();
                     any |= is_hit;
                     let tmax = end::<ANY, ROBUST>(best, ray.tmax);

@@ -5,7 +5,7 @@ use std::hint::select_unpredictable;
 use trisect_core::{Culling, Lanes, Method, Ray, Token as _};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
-use crate::exactly::{Given, arrive};
+use crate::exactly::{Given, arrive, settle_at};
 use crate::hit::Found;
 use crate::leaf::{end, test_leaf};
 use crate::rows::{RAYS, Rows};
@@ -154,8 +154,11 @@ impl<'a> Flight<'a> {
                 } else {
                     rows.ray(self.place)
                 };
+                let given = Given { bvh, ray, culling };
                 let best = &mut rows.best[self.place % RAYS];
-                test_leaf::<M, L, ANY>(token, blocks, Given { bvh, ray, culling }, best);
+                let left = test_leaf::<M, L, ANY>(token, blocks, given, best);
+                settle_at(bvh, culling, rows, self.place, &left);
+                let best = &rows.best[self.place % RAYS];
                 if best.is_hit() {
                     let tmax = end::<ANY, ROBUST>(best, ray.tmax);
                     rows.end(self.place, tmax);
