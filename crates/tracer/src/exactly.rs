@@ -8,13 +8,13 @@ use std::hint::select_unpredictable;
 use std::ops::Range;
 
 use trisect_core::{
-    Culling, DecisionOnly, Deferred, Hit, Interval, Lanes, Method, Of, Ray, Record as _, Screened,
+    Culling, DecisionOnly, Deferred, Hit, Interval, Lanes, Method, Of, Ray, Screened, Triangle,
     TrueDivision, Vec3,
 };
 
 use crate::bvh::{Bvh, WIDTH};
 use crate::hit::TriangleHit;
-use crate::rows::{RAYS, Rows, least};
+use crate::rows::{RAYS, Row, Rows, least};
 
 /// What a decision takes besides the triangle. Handed on by value: where a call might see the ray in memory,
 /// it would be put there for every leaf.
@@ -178,46 +178,47 @@ pub(crate) fn arrived<M: Method>(bvh: &Bvh<M>, ray: &Ray<f32>, best: &TriangleHi
 /// The values of one hit.
 fn values<M: Method>(ray: &Ray<f32>, prepared: &Of<M::Prepared, f32>) -> Hit<f32> {
     let rays = ray.map(|&x| [x]);
+    let Ray { o, d, tmin, tmax } = &rays;
+    let rays = Ray { o: o.each_ref(), d: d.each_ref(), tmin, tmax };
     let Hit { t: [t], beta: [beta], gamma: [gamma] } =
-        M::values(&rays, &M::Prepared::map(prepared, |&x| [x]), 1);
+        M::values(&rays, &M::corners(prepared).map(|&x| [x]), 1);
     Hit { t, beta, gamma }
 }
 
 /// Computes the values of rays that have arrived, all at once: what is brought together number by number
-/// can be read by lanes only when it has been written for a while.
+/// can be read by lanes only when it has been written for a while. The rays lie number by number already, so
+/// that only triangles have to be brought to them.
 #[inline(always)]
 pub(crate) fn arrive<M: Method>(bvh: &Bvh<M>, rows: &mut Rows) {
-    let (mut places, mut count) = ([0; RAYS], 0);
+    let mut hits = 0;
     for place in 0..RAYS {
-        places[count % RAYS] = place;
-        count += usize::from(rows.best[place].is_hit());
+        hits |= u64::from(rows.best[place].is_hit()) << place;
     }
-    if count == 0 {
+    if hits == 0 {
         return;
     }
-    let zeros = Vec3::new([0.0; RAYS], [0.0; RAYS], [0.0; RAYS]);
-    let mut rays = Ray { o: zeros, d: zeros, tmin: [0.0; RAYS], tmax: [0.0; RAYS] };
-    let mut triangles = M::Prepared::map(
-        &bvh.prepared(rows.best[places[0] % RAYS].triangle),
-        #[inline(always)]
-        |&x| [x; RAYS],
-    );
-    for at in 0..count {
-        let place = places[at % RAYS] % RAYS;
-        let Ray { o, d, .. } = rows.ray(place);
-        (rays.o.x[at % RAYS], rays.o.y[at % RAYS], rays.o.z[at % RAYS]) = (o.x, o.y, o.z);
-        (rays.d.x[at % RAYS], rays.d.y[at % RAYS], rays.d.z[at % RAYS]) = (d.x, d.y, d.z);
-        M::Prepared::zip(
-            &mut triangles,
-            &bvh.prepared(rows.best[place].triangle),
-            #[inline(always)]
-            |row: &mut [f32; RAYS], &x| row[at % RAYS] = x,
-        );
+    let mut left = hits;
+    while left != 0 {
+        let place = left.trailing_zeros() as usize % RAYS;
+        left &= left - 1;
+        let triangle = &mut rows.best[place].triangle;
+        let Triangle { a, b, c } = M::corners(&bvh.prepared(*triangle));
+        put(&mut rows.corners.a, place, a);
+        put(&mut rows.corners.b, place, b);
+        put(&mut rows.corners.c, place, c);
+        // Here, where the next ones do not wait for it: it is in a part of the block not yet seen.
+        *triangle = bvh.triangle(*triangle);
     }
-    let found = M::values(&rays, &triangles, count);
-    for at in 0..count {
-        let (t, beta, gamma) = (found.t[at % RAYS], found.beta[at % RAYS], found.gamma[at % RAYS]);
-        let best = &mut rows.best[places[at % RAYS] % RAYS];
-        *best = TriangleHit { triangle: bvh.triangle(best.triangle), hit: Hit { t, beta, gamma } };
+    let found = M::values(&rows.rays(), &rows.corners, hits);
+    while hits != 0 {
+        let place = hits.trailing_zeros() as usize % RAYS;
+        hits &= hits - 1;
+        let (t, beta, gamma) = (found.t[place], found.beta[place], found.gamma[place]);
+        rows.best[place].hit = Hit { t, beta, gamma };
     }
+}
+
+#[inline(always)]
+fn put(rows: &mut Vec3<Row>, place: usize, v: Vec3<f32>) {
+    (rows.x[place], rows.y[place], rows.z[place]) = (v.x, v.y, v.z);
 }

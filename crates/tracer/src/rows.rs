@@ -1,7 +1,7 @@
 //! Rays on their way through the tree, number by number, so that what is computed once per ray is computed
 //! for as many as there are lanes.
 
-use trisect_core::{Interval, Lanes, Ray, Vec3};
+use trisect_core::{Interval, Lanes, Ray, Triangle, Vec3};
 
 use crate::bvh::WIDTH;
 use crate::hit::{NO_HIT, TriangleHit};
@@ -10,17 +10,20 @@ use crate::slabs::Slabs;
 /// How many rays: one for each bit of a mask.
 pub(crate) const RAYS: usize = 64;
 
-/// Origin and direction of a ray.
-type Line = [Vec3<f32>; 2];
+/// Stands for a ray where there is none.
+const NO_RAY: Ray<f32> =
+    Ray { o: Vec3::new(0.0, 0.0, 0.0), d: Vec3::new(0.0, 0.0, 0.0), tmin: 0.0, tmax: 0.0 };
 
 /// A number of each ray.
-type Row = [f32; RAYS];
+pub(crate) type Row = [f32; RAYS];
+
+const ZEROS: Vec3<Row> = Vec3::new([0.0; RAYS], [0.0; RAYS], [0.0; RAYS]);
 
 /// Rays, what their tests of boxes need, and what they have found.
 #[repr(align(64))]
 pub(crate) struct Rows {
-    /// Origins and directions together, where they are [kept so](Rows::fill).
-    lines: [Line; RAYS],
+    /// Rays as they were given, where they are [kept so](Rows::fill).
+    lines: [Ray<f32>; RAYS],
     o: [Row; 3],
     d: [Row; 3],
     /// The ends of their intervals, the last of which is at the best hit, where there is one.
@@ -29,11 +32,14 @@ pub(crate) struct Rows {
     inverse: [Row; 3],
     start: [Row; 3],
     pub(crate) best: [TriangleHit; RAYS],
+    /// The triangles that they hit, for who computes values of all at once; where there is none, anything.
+    /// Here, so that they need not be set to anything.
+    pub(crate) corners: Triangle<Row>,
 }
 
 impl Rows {
     pub(crate) const EMPTY: Self = Self {
-        lines: [[Vec3::new(0.0, 0.0, 0.0); 2]; RAYS],
+        lines: [NO_RAY; RAYS],
         o: [[0.0; RAYS]; 3],
         d: [[0.0; RAYS]; 3],
         tmin: [0.0; RAYS],
@@ -41,6 +47,7 @@ impl Rows {
         inverse: [[0.0; RAYS]; 3],
         start: [[0.0; RAYS]; 3],
         best: [NO_HIT; RAYS],
+        corners: Triangle { a: ZEROS, b: ZEROS, c: ZEROS },
     };
 
     /// Takes up to [`RAYS`] rays, whose interval is empty where they have nothing, so where they are
@@ -56,7 +63,7 @@ impl Rows {
         let count = rays.len();
         for (place, ray) in rays.enumerate().take(RAYS) {
             if lines {
-                self.lines[place] = [ray.o, ray.d];
+                self.lines[place] = *ray;
             }
             self.o[0][place] = ray.o.x;
             self.o[1][place] = ray.o.y;
@@ -103,13 +110,20 @@ impl Rows {
         }
     }
 
+    /// All rays, number by number.
+    #[inline(always)]
+    pub(crate) fn rays(&self) -> Ray<&Row> {
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.o, &self.d);
+        let (o, d) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
+        Ray { o, d, tmin: &self.tmin, tmax: &self.tmax }
+    }
+
     /// A ray that is kept as a line: where much is computed with it, the compiler gathers its numbers from
     /// rows, which takes longer than to read them here; where little is, it is not worth its keeping.
     #[inline(always)]
     pub(crate) fn line(&self, place: usize) -> Ray<f32> {
         let at = place % RAYS;
-        let [o, d] = self.lines[at];
-        Ray { o, d, tmin: self.tmin[at], tmax: self.tmax[at] }
+        Ray { tmin: self.tmin[at], tmax: self.tmax[at], ..self.lines[at] }
     }
 
     /// Where a ray's interval ends.
