@@ -84,9 +84,9 @@ pub(crate) struct Left {
     pub(crate) near: u64,
 }
 
-/// Settles what a test of a leaf has left of a ray, if anything. Where it was called in the loop over blocks all that
-/// is computed before would be kept in memory, and fetched from there in every round; and the ray, had it
-/// to be handed on.
+/// Settles what a test of a leaf has left of a ray, if anything. Called in the loop over blocks it would have all
+/// that is computed before that kept in memory, and fetched from there in every round; and the ray likewise,
+/// were it handed on.
 #[inline(always)]
 pub(crate) fn settle_at<M: Method>(
     bvh: &Bvh<M>,
