@@ -20,6 +20,13 @@ impl<X> Vec3<X> {
     pub const fn new(x: X, y: X, z: X) -> Self {
         Self { x, y, z }
     }
+
+    /// References to the coordinates.
+    #[inline(always)]
+    pub const fn each_ref(&self) -> Vec3<&X> {
+        let Self { x, y, z } = self;
+        Vec3::new(x, y, z)
+    }
 }
 
 impl<X: Copy> Vec3<X> {

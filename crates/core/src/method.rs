@@ -7,7 +7,7 @@ use crate::geometry::{Hit, Ray, Triangle, Vec3};
 use crate::info::MethodInfo;
 use crate::lanes::{Lanes, Scalar};
 use crate::prepared::UnsuitableMesh;
-use crate::record::{Of, Record};
+use crate::record::{Of, Record, Value};
 use crate::weights::{Alpha, Implied};
 
 /// Where a line meets a plane, before division: `t = t/det`, `beta = beta/det`,
@@ -59,9 +59,9 @@ pub struct Screened<L: Lanes> {
     pub certain: L::Mask,
     /// Lanes that are neither sure to hit nor sure to miss, in bits, whichever face is seen.
     pub open: u64,
-    /// Between which numbers `t` lies, of lanes that are certain or open: no smaller than this,
+    /// Between which numbers `t` lies, of lanes that are certain: no smaller than this,
     pub low: L,
-    /// and no larger than this. Infinite where nothing is known, of open lanes alone.
+    /// and no larger than this.
     pub high: L,
 }
 
@@ -207,16 +207,25 @@ pub trait Method: Send + Sync + Sized + 'static {
         unreachable!("pairs are screened where decisions are exact")
     }
 
-    /// The values of the first `count` of some hits, where decisions gave none; other places get anything.
-    /// The triangles as they were prepared, the rays as they were given. For methods that claim to be exact.
+    /// The corners of a triangle, as it was given. For methods that claim to be exact.
+    ///
+    /// # Panics
+    /// For all others.
+    #[inline(always)]
+    fn corners<X: Value>(_triangle: &Of<Self::Prepared, X>) -> Triangle<X> {
+        unreachable!("corners are asked for where values are computed apart")
+    }
+
+    /// The values of hits at the places of some bits, where decisions gave none; other places get anything.
+    /// Triangles and rays as they were given. For methods that claim to be exact.
     ///
     /// # Panics
     /// For all others.
     #[inline(always)]
     fn values<X: Scalar, const N: usize>(
-        _rays: &Ray<[X; N]>,
-        _triangles: &Of<Self::Prepared, [X; N]>,
-        _count: usize,
+        _rays: &Ray<&[X; N]>,
+        _triangles: &Triangle<[X; N]>,
+        _hits: u64,
     ) -> Hit<[X; N]> {
         unreachable!("values are asked for apart where they are computed apart")
     }

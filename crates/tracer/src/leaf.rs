@@ -9,7 +9,7 @@ use trisect_core::{
 };
 
 use crate::bvh::WIDTH;
-use crate::exactly::{self, Given};
+use crate::exactly::{self, Given, Left};
 use crate::hit::TriangleHit;
 use crate::rows::least;
 use crate::slabs::{ROUNDINGS, UNDERFLOW};
@@ -32,14 +32,15 @@ pub(crate) fn end<const ANY: bool, const ROBUST: bool>(best: &TriangleHit, tmax:
 }
 
 /// Tests the triangles of a leaf, and takes what is better than the best hit; where `ANY`, only that there
-/// is one.
+/// is one. What is left to be settled, by a method that claims to be exact.
 #[inline(always)]
 pub(crate) fn test_leaf<M, L, const ANY: bool>(
     token: L::Token,
     blocks: Range<usize>,
     given: Given<'_, M>,
     best: &mut TriangleHit,
-) where
+) -> Left
+where
     M: Method,
     L: Lanes<Elem = f32>,
 {
@@ -57,7 +58,7 @@ fn test_blocks<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usi
     blocks: Range<usize>,
     given: Given<'_, M>,
     best: &mut TriangleHit,
-) {
+) -> Left {
     let Given { bvh, ray, .. } = given;
     let interval = Interval { tmin: L::splat(token, ray.tmin), tmax: L::splat(token, ray.tmax) };
     // What is computed once per ray costs less here than to keep it for every ray in flight, even where it
@@ -69,14 +70,18 @@ fn test_blocks<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usi
         )
         .with_axis_last(AXIS);
     // Not zipped: that may stay a call.
-    for at in blocks {
+    for at in blocks.clone() {
         let group = if const { M::GROUPS > 1 } { usize::from(bvh.groups[at]) } else { 0 };
         let ray = M::prepare_ray(&ray, group);
-        test_block::<M, L, ANY, AXIS>(token, &ray, at, interval, given, best);
+        let near = test_block::<M, L, ANY, AXIS>(token, &ray, at, interval, given, best);
+        if const { M::INFO.claims.exact && !ANY } && near != 0 {
+            return Left { blocks: at..blocks.end, near };
+        }
     }
+    Left { blocks, near: 0 }
 }
 
-/// Tests the triangles of a block.
+/// Tests the triangles of a block. Those that are left to be [settled](exactly::settle_at), in bits.
 #[inline(always)]
 fn test_block<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usize>(
     token: L::Token,
@@ -85,7 +90,7 @@ fn test_block<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usiz
     interval: Interval<L>,
     given: Given<'_, M>,
     best: &mut TriangleHit,
-) {
+) -> u64 {
     let block = &given.bvh.blocks[at];
     let mut lane = 0;
     while lane < WIDTH {
@@ -96,14 +101,19 @@ fn test_block<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usiz
         );
         let triangle = M::Prepared::with_axis_last(&triangle, AXIS);
         if const { M::INFO.claims.exact && !ANY } {
+            let mut near = 0;
             M::screen(
                 ray,
                 &triangle,
                 interval,
                 given.culling,
                 #[inline(always)]
-                |screened| exactly::take::<M, L>(given, at, lane, screened, best),
+                |screened| near = exactly::take::<L>(at, lane, screened, best),
             );
+            if near != 0 {
+                // With the lanes that come after these.
+                return (near | u64::MAX << (L::N - 1) << 1) << lane;
+            }
         } else {
             test::<M, L, ANY>(
                 ray,
@@ -122,6 +132,7 @@ fn test_block<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const AXIS: usiz
         }
         lane += L::N;
     }
+    0
 }
 
 /// The form of the division: the one that decides without quotients, where there is one, and without any

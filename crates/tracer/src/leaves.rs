@@ -9,7 +9,7 @@ use trisect_core::{Culling, Lanes, Method, Token as _};
 
 use crate::abreast;
 use crate::bvh::{Bvh, Child, Node, child};
-use crate::exactly::{self, Given};
+use crate::exactly::{self, Given, settle_at};
 use crate::leaf::{end, test_leaf};
 use crate::rows::{RAYS, Rows};
 
@@ -80,9 +80,11 @@ where
     #[inline(always)]
     fn test(&self, token: L::Token, rows: &mut Rows, place: usize, blocks: Range<usize>) -> bool {
         let ray = if const { M::INFO.claims.exact } { rows.line(place) } else { rows.ray(place) };
-        let best = &mut rows.best[place % RAYS];
         let given = Given { bvh: self, ray, culling: Culling::None };
-        test_leaf::<M, L, ANY>(token, blocks, given, best);
+        let best = &mut rows.best[place % RAYS];
+        let left = test_leaf::<M, L, ANY>(token, blocks, given, best);
+        settle_at(self, Culling::None, rows, place, &left);
+        let best = &rows.best[place % RAYS];
         let is_hit = best.is_hit();
         if is_hit {
             let tmax = end::<ANY, ROBUST>(best, ray.tmax);
@@ -156,7 +158,9 @@ where
                     let (ray, best) = (rows.ray(place), &mut rows.best[place]);
                     let blocks = blocks.clone();
                     let given = Given { bvh, ray, culling: F::CULLING };
-                    test_leaf::<M, L, ANY>(token, blocks, given, best);
+                    let left = test_leaf::<M, L, ANY>(token, blocks, given, best);
+                    settle_at(bvh, F::CULLING, rows, place, &left);
+                    let best = &rows.best[place];
                     let is_hit = best.is_hit();
                     any |= is_hit;
                     let tmax = end::<ANY, ROBUST>(best, ray.tmax);

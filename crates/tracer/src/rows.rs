@@ -2,7 +2,7 @@
 //! for as many as there are lanes.
 
 use prefetch_index::prefetch_index;
-use trisect_core::{Interval, Lanes, Ray, Vec3};
+use trisect_core::{Interval, Lanes, Ray, Triangle, Vec3};
 
 use crate::bounds::Bounds;
 use crate::bvh::WIDTH;
@@ -20,7 +20,9 @@ const NO_RAY: Ray<f32> =
     Ray { o: Vec3::new(0.0, 0.0, 0.0), d: Vec3::new(0.0, 0.0, 0.0), tmin: 1.0, tmax: 0.0 };
 
 /// A number of each ray.
-type Row = [f32; RAYS];
+pub(crate) type Row = [f32; RAYS];
+
+const ZEROS: Vec3<Row> = Vec3::new([0.0; RAYS], [0.0; RAYS], [0.0; RAYS]);
 
 /// Rays, what their tests of boxes need, and what they have found.
 #[repr(align(64))]
@@ -36,6 +38,9 @@ pub(crate) struct Rows {
     inverse: [Row; 3],
     start: [Row; 3],
     pub(crate) best: [TriangleHit; RAYS],
+    /// The triangles that they hit, for who computes values of all at once; where there is none, anything.
+    /// Here, so that they need not be set to anything.
+    pub(crate) corners: Triangle<Row>,
 }
 
 impl Rows {
@@ -48,6 +53,7 @@ impl Rows {
         inverse: [[0.0; RAYS]; 3],
         start: [[0.0; RAYS]; 3],
         best: [NO_HIT; RAYS],
+        corners: Triangle { a: ZEROS, b: ZEROS, c: ZEROS },
     };
 
     /// Takes up to [`RAYS`] rays, whose interval is empty where they have nothing to find: where they are
@@ -110,6 +116,14 @@ impl Rows {
             tmin: self.tmin[at],
             tmax: self.tmax[at],
         }
+    }
+
+    /// All rays, number by number.
+    #[inline(always)]
+    pub(crate) fn rays(&self) -> Ray<&Row> {
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.o, &self.d);
+        let (o, d) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
+        Ray { o, d, tmin: &self.tmin, tmax: &self.tmax }
     }
 
     /// A ray that is kept as a line: where much is computed with it, the compiler gathers its numbers from

@@ -8,7 +8,7 @@ use std::ops::Range;
 use trisect_core::{Culling, Interval, Method, Ray};
 
 use crate::bvh::{Bvh, Child, Node, WIDTH, child};
-use crate::exactly::{Given, arrived};
+use crate::exactly::{Given, arrived, settle};
 use crate::hit::{Found as _, NO_HIT, TriangleHit};
 use crate::leaf::{end, test_leaf};
 use crate::single::descend;
@@ -78,7 +78,10 @@ impl<M: Method> Bvh<M> {
                 triangles += distinct(&block.triangles).len();
             }
             let given = Given { bvh: self, ray: rest, culling: Culling::None };
-            test_leaf::<M, f32, false>((), blocks, given, &mut best);
+            let left = test_leaf::<M, f32, false>((), blocks, given, &mut best);
+            if const { M::INFO.claims.exact } && left.near != 0 {
+                settle(given, left, &mut best);
+            }
             if best.is_hit() {
                 rest.tmax = end::<false, true>(&best, rest.tmax);
             }

@@ -8,14 +8,23 @@ use trisect_core::{
 };
 
 use crate::ladder::{self, Precision};
-use crate::{Exact, lanes_of, widened};
+use crate::{Exact, double, lanes_of, widened};
 
 /// Which of two triangles that `ray` hits comes first along it: exactly so, however near they are.
 /// Everything must be finite, and neither triangle parallel to the ray.
 pub fn order<X: Scalar>(ray: &Ray<X>, first: &Triangle<X>, second: &Triangle<X>) -> Ordering {
+    order_within(ray, [first, second], double::UNIT)
+}
+
+/// The same, by f64 with bounds of that width first.
+pub(crate) fn order_within<X: Scalar>(
+    ray: &Ray<X>,
+    [first, second]: [&Triangle<X>; 2],
+    unit: f64,
+) -> Ordering {
     let precision = const { Precision::of_size(size_of::<X>()) };
     let ray = ray.map(|x| x.to_f64());
-    ladder::order(precision, &ray, &widened(first), &widened(second))
+    ladder::order(precision, &ray, [&widened(first), &widened(second)], unit)
 }
 
 /// The triangle that `ray` hits first, of those that it hits at the very same point the one of the

@@ -1,5 +1,7 @@
 //! The second stage: one pair in f64, each number with a bound of its own error.
 
+use core::cmp::Ordering;
+
 use trisect_core::{Ray, Triangle, Vec3};
 
 use crate::filter::{self, BoundedRay, SizedTriangle, Volumes};
@@ -109,49 +111,76 @@ impl Estimate {
 
     /// `t`, `beta` and `gamma`, rounded once to f32, where f64 can tell.
     pub(crate) fn singles(&self) -> Option<[f64; 3]> {
-        let ([det, u, v, t], [p_det, p_u, p_v, p_t]) = (self.volumes, self.permanents);
-        let det = self.bounded(det, p_det);
-        let numerators = [self.bounded(t, p_t), self.bounded(u, p_u), self.bounded(v, p_v)];
-        let (singles, is_told) = quotients(det, numerators);
+        let ([_, u, v, _], [p_det, p_u, p_v, _]) = (self.volumes, self.permanents);
+        let (reciprocal, t) = self.reciprocal_and_t()?;
+        let weight = |value: f64, permanent: f64| {
+            let error = self.bounded(value, permanent + p_det).error + UNDERFLOW;
+            quotient(Bounded { value, error }, reciprocal, 1.0)
+        };
+        let (singles, is_told) = singles([t, weight(u, p_u), weight(v, p_v)]);
         is_told.then_some(singles)
+    }
+
+    /// Which of two hits of a ray comes first along it, where f64 can tell.
+    pub(crate) fn order(&self, other: &Self) -> Option<Ordering> {
+        let (_, this) = self.reciprocal_and_t()?;
+        let (_, other) = other.reciprocal_and_t()?;
+        if this.value + this.error < other.value - other.error {
+            return Some(Ordering::Less);
+        }
+        (this.value - this.error > other.value + other.error).then_some(Ordering::Greater)
+    }
+
+    /// `1/det` and `t`, where `det` is far enough from zero.
+    fn reciprocal_and_t(&self) -> Option<(f64, Bounded)> {
+        let ([det, _, _, t], [p_det, _, _, p_t]) = (self.volumes, self.permanents);
+        let det = self.bounded(det, p_det);
+        let reciprocal = 1.0 / det.value;
+        let size = (t * reciprocal).abs();
+        // Not |t| of the hit but that of the quotient: twice the error pays for the difference.
+        let error = 2.0 * (self.bounded(t, p_t).error + size * det.error);
+        let t = quotient(Bounded { value: t, error }, reciprocal, size);
+        (det.value.abs() > 2.0 * det.error).then_some((reciprocal, t))
     }
 }
 
-/// The numerators over `det`, each rounded once to f32, and whether that is certain. Those of `beta` and
-/// `gamma` are not larger than `det`.
+/// A numerator over `det`, whose reciprocal is given. The error of the numerator is also that of `det`, times the
+/// quotient: `|x − X'/Y'| = |X' − x·Y'|/|Y'| ≤ (|ΔX| + |x|·|ΔY|)/|Y'|`. The rest is for the
+/// roundings of this, and of the ends of the interval; `size` is at least that of the quotient, or 1.
 #[inline(always)]
-fn quotients(det: Bounded, [t, beta, gamma]: [Bounded; 3]) -> ([f64; 3], bool) {
-    let size = det.value.abs();
-    let reciprocal = 1.0 / det.value;
-    // At least 1/|y|, but for two roundings: the exact denominator is no smaller than |y'| − |Δy|.
-    let largest = (1.0 + 1e-9) / (size - det.error);
-    // |x/y − x'/y'| ≤ (|Δx| + |x'/y'|·|Δy|) / |y|; the rest is for the roundings of this line, of the
-    // quotient and of the ends of the interval.
-    let rounding = 4.0 * f64::EPSILON;
-    let of_weight = |error: f64| (error + det.error) * largest + rounding;
-    let value = t.value * reciprocal;
-    let error = (t.error + value.abs() * det.error) * largest + value.abs() * rounding;
-    let (t, is_t_told) = Bounded { value, error }.single();
-    let value = beta.value * reciprocal;
-    let (beta, is_beta_told) = Bounded { value, error: of_weight(beta.error) }.single();
-    let value = gamma.value * reciprocal;
-    let (gamma, is_gamma_told) = Bounded { value, error: of_weight(gamma.error) }.single();
-    let is_large = size > 2.0 * det.error;
-    ([t, beta, gamma], is_t_told & is_beta_told & is_gamma_told & is_large)
+fn quotient(numerator: Bounded, reciprocal: f64, size: f64) -> Bounded {
+    let value = numerator.value * reciprocal;
+    let rounding = size * (4.0 * f64::EPSILON) + f64::MIN_POSITIVE;
+    let error = numerator.error * ((1.0 + 1e-9) * reciprocal.abs()) + rounding;
+    Bounded { value, error }
+}
+
+/// Each rounded once to f32, and whether that is certain.
+#[inline(always)]
+fn singles([t, beta, gamma]: [Bounded; 3]) -> ([f64; 3], bool) {
+    let (t, is_t_told) = t.single();
+    let (beta, is_beta_told) = beta.single();
+    let (gamma, is_gamma_told) = gamma.single();
+    ([t, beta, gamma], is_t_told & is_beta_told & is_gamma_told)
 }
 
 /// `t`, `beta` and `gamma` of a hit in numbers of f32, rounded once, and whether the filter's bounds, in f64,
 /// can tell them: they cost less than the permanents. Without branches, so that a loop over pairs can be
-/// spread over lanes. The size of the edges is that of f32, which is off by far less than the bounds allow.
+/// spread over lanes.
 #[inline(always)]
-pub(crate) fn singles_within(ray: &Ray<f64>, triangle: &SizedTriangle<f64>) -> ([f64; 3], bool) {
+pub(crate) fn singles_within(ray: &Ray<f64>, triangle: &Triangle<f64>) -> ([f64; 3], bool) {
     let ray = BoundedRay::new(ray.o, ray.d, 1.0);
+    let triangle = &SizedTriangle::new(triangle);
     let volumes = Volumes::new(&ray, triangle);
-    let error = filter::bound(&ray, triangle, &volumes);
-    let numerator = |value| Bounded { value, error };
-    let t = Bounded { value: volumes.t(), error: filter::bound_of_t(triangle, &volumes, 1.0) };
-    let (singles, is_told) =
-        quotients(numerator(volumes.det), [t, numerator(volumes.u), numerator(volumes.v)]);
-    let is_bounded = error < filter::NO_BOUND;
-    (singles, is_told & is_bounded)
+    let Volumes { det, u, v, t, .. } = volumes;
+    let (bound, of_t) =
+        (filter::bound(&ray, triangle, &volumes), filter::bound_of_hit(triangle, &volumes, 1.0));
+    let reciprocal = 1.0 / det;
+    let weight = |value| quotient(Bounded { value, error: 2.0 * bound }, reciprocal, 1.0);
+    let size = (t * reciprocal).abs();
+    let t = quotient(Bounded { value: t, error: of_t }, reciprocal, size);
+    let (singles, is_told) = singles([t, weight(u), weight(v)]);
+    let is_bounded = bound < filter::NO_BOUND;
+    let is_large = det.abs() > 2.0 * bound;
+    (singles, is_told & is_bounded & is_large)
 }

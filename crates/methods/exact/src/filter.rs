@@ -2,10 +2,12 @@
 //!
 //! Every constant here is derived in `docs/derivations/exact.md`.
 
-use trisect_core::{Interval, Lanes, Of, RayParts, Scalar, Screened, Triangle, Vec3, record};
+use trisect_core::{
+    Interval, Lanes, Of, RayParts, Scalar, Screened, Triangle, Value, Vec3, record,
+};
 
 record! {
-    /// The corners of a triangle, and how long its edges are.
+    /// The corners of a triangle, its normal, and how long its edges are.
     pub struct SizedTriangle {
         /// Corner `A`.
         a: vec3,
@@ -13,6 +15,8 @@ record! {
         b: vec3,
         /// Corner `C`.
         c: vec3,
+        /// The normal, `(C − A) × (B − A)`.
+        n: vec3,
         /// The largest coordinate of `B − A` and `C − A`, at least 2⁻³⁴.
         h: number,
     }
@@ -27,15 +31,14 @@ const fn power_of_two(exponent: i64) -> f64 {
 const SHORTEST: f64 = power_of_two(-34);
 /// Likewise for the distance of the origin, where `t` is compared.
 const NEAREST: f64 = power_of_two(-20);
-/// Directions between these, in the sum of their coordinates' magnitudes, are filtered.
+/// Directions no shorter than this, in the sum of their coordinates' magnitudes, are filtered.
 const SLOWEST: f64 = power_of_two(-20);
-const FASTEST: f64 = power_of_two(20);
 /// A bound as large as this bounds nothing: products may have overflowed.
 pub(crate) const NO_BOUND: f64 = power_of_two(30);
 /// What stands for the factor of a direction that is not filtered: it makes every bound too large.
 const NOT_FILTERED: f64 = power_of_two(126);
 /// Ends of the interval beyond this are brought back to it, so that products with them do not
-/// overflow; nothing is said of a `t` beyond it, as its quotient may have.
+/// overflow.
 const LATEST: f64 = power_of_two(60);
 /// What underflow takes from a quotient, and more.
 const UNDERFLOW: f64 = power_of_two(-124);
@@ -60,15 +63,18 @@ fn largest<L: Lanes>(v: Vec3<L>) -> L {
 }
 
 impl<X: Scalar> SizedTriangle<X> {
-    /// The corners as they are, and the size of the edges; NaN for a triangle that is NaN all over.
+    /// The corners as they are, the normal, and the size of the edges; NaN for a triangle that is NaN all over.
     #[inline(always)]
     pub fn new(triangle: &Triangle<X>) -> Self {
         let Triangle { a, b, c } = *triangle;
         // The second operand of `max` is what is left of a NaN.
-        let h = number(a.x, SHORTEST).max(largest(b - a).max(largest(c - a)));
-        Self { a, b, c, h }
+        let (e1, e2) = (b - a, c - a);
+        let h = number(a.x, SHORTEST).max(largest(e1).max(largest(e2)));
+        Self { a, b, c, n: e2.cross(e1), h }
     }
+}
 
+impl<X: Value> SizedTriangle<X> {
     /// The corners.
     #[inline(always)]
     pub(crate) fn corners(&self) -> Triangle<X> {
@@ -84,7 +90,7 @@ pub struct BoundedRay<L> {
     pub o: Vec3<L>,
     /// Direction.
     pub d: Vec3<L>,
-    /// `18u(1 + 2⁻⁹)·|D|₁`, more for a direction that is not filtered, −1 for one that is zero.
+    /// `18u(1 + 2⁻⁹)·|D|₁`, more for a direction that is not filtered.
     pub scale: L,
 }
 
@@ -93,9 +99,8 @@ impl<L: Lanes> BoundedRay<L> {
     #[inline(always)]
     pub(crate) fn new(o: Vec3<L>, d: Vec3<L>, factor: f64) -> Self {
         let size = d.x.magnitude() + (d.y.magnitude() + d.z.magnitude());
-        let filtered = size.ge(number(size, SLOWEST)) & size.le(number(size, FASTEST));
-        let scale = L::select(filtered, size * unit(size, factor), number(size, NOT_FILTERED));
-        let scale = L::select(size.le(number(size, 0.0)), number(size, -1.0), scale);
+        let is_slow = size.lt(number(size, SLOWEST));
+        let scale = L::select(is_slow, number(size, NOT_FILTERED), size * unit(size, factor));
         Self { o, d, scale }
     }
 }
@@ -122,29 +127,23 @@ pub(crate) struct Volumes<L> {
     pub(crate) v: L,
     /// Of corner `A`.
     pub(crate) w: L,
-    /// `e2`
-    e2: Vec3<L>,
-    /// `s × e1`, whose product with `e2` is the numerator of `t`.
-    q: Vec3<L>,
+    /// The numerator of `t`.
+    pub(crate) t: L,
     /// The largest coordinate of `s`, the origin from corner `A`.
     distance: L,
 }
 
 impl<L: Lanes> Volumes<L> {
-    /// Möller and Trumbore's products, from the corners themselves.
+    /// Möller and Trumbore's products, from the corners themselves, with the factors in an order that leaves
+    /// the normal to the triangle.
     #[inline(always)]
     pub(crate) fn new(ray: &BoundedRay<L>, triangle: &SizedTriangle<L>) -> Self {
-        let SizedTriangle { a, b, c, .. } = *triangle;
-        let (s, e1, e2) = (ray.o - a, b - a, c - a);
-        let (p, q) = (ray.d.cross(e2), s.cross(e1));
-        let (det, u, v) = (e1.dot(p), s.dot(p), ray.d.dot(q));
-        Self { det, u, v, w: (det - u) - v, e2, q, distance: largest(s) }
-    }
-
-    /// The numerator of `t`.
-    #[inline(always)]
-    pub(crate) fn t(&self) -> L {
-        self.e2.dot(self.q)
+        let SizedTriangle { a, b, c, n, .. } = *triangle;
+        let s = a - ray.o;
+        let (det, t) = (ray.d.dot(n), s.dot(n));
+        let r = ray.d.cross(s);
+        let (u, v) = ((c - a).dot(r), (a - b).dot(r));
+        Self { det, u, v, w: (det - u) - v, t, distance: largest(s) }
     }
 }
 
@@ -163,7 +162,7 @@ pub(crate) fn bound<L: Lanes>(
     triangle: &SizedTriangle<L>,
     volumes: &Volumes<L>,
 ) -> L {
-    (ray.scale * triangle.h) * volumes.distance.mul_add(number(triangle.h, 2.0), triangle.h)
+    (ray.scale * triangle.h) * size(triangle.h, volumes)
 }
 
 /// The lanes that do not miss for certain: not one volume is certainly positive and another certainly
@@ -178,13 +177,12 @@ pub(crate) fn candidates<L: Lanes>(volumes: &Volumes<L>, bound: L) -> L::Mask {
     most.min(-least).min(number(bound, NO_BOUND)).le(bound)
 }
 
-/// The lanes that are inside for certain, and those that the bound says anything about.
+/// The lanes that are inside for certain: never where the bound is beyond [`NO_BOUND`].
 #[inline(always)]
-fn inside<L: Lanes>(volumes: &Volumes<L>, bound: L) -> (L::Mask, L::Mask) {
+fn inside<L: Lanes>(volumes: &Volumes<L>, bound: L) -> L::Mask {
     let Volumes { u, v, w, .. } = *volumes;
     let (most, least) = (u.max(v).max(w), u.min(v).min(w));
-    let is_bounded = bound.lt(number(bound, NO_BOUND));
-    (least.max(-most).gt(bound) & is_bounded, is_bounded)
+    number(bound, NO_BOUND).min(least.max(-most)).gt(bound)
 }
 
 /// What is certain of the candidates, without a division. `factor` as for [`BoundedRay::new`].
@@ -198,9 +196,9 @@ pub(crate) fn verdict<L: Lanes>(
     factor: f64,
 ) -> Verdict<L> {
     let Volumes { det, u, .. } = *volumes;
-    let (inside, _) = inside(volumes, bound);
+    let inside = inside(volumes, bound);
     // All volumes have the sign of any, so that t − τ is the sign of T' − τ·det'.
-    let (det, t) = (det.xor_sign(u), volumes.t().xor_sign(u));
+    let (det, t) = (det.xor_sign(u), volumes.t.xor_sign(u));
     let (latest, earliest) = (number(det, LATEST), number(det, -LATEST));
     // The second operand of `max` and `min` is what is left of a NaN.
     let (tmin, tmax) = (earliest.max(interval.tmin), latest.min(interval.tmax));
@@ -216,36 +214,32 @@ pub(crate) fn verdict<L: Lanes>(
     Verdict { hit, open: L::bits(candidates) & !L::bits(hit) & !L::bits(missed) }
 }
 
-/// The same, whichever face is seen, and between which numbers `t` lies.
+/// What is certain of the candidates, whichever face is seen, and between which numbers `t` lies. Where `t` of a
+/// lane inside overflows it is beyond every interval, as infinity is; and so is infinity less infinity,
+/// since no comparison holds for it.
 #[inline(always)]
 pub(crate) fn screened<L: Lanes>(
-    ray: &BoundedRay<L>,
     triangle: &SizedTriangle<L>,
     volumes: &Volumes<L>,
     (bound, candidates): (L, L::Mask),
     interval: &Interval<L>,
     factor: f64,
 ) -> Screened<L> {
-    let det = volumes.det;
-    let (inside, is_bounded) = inside(volumes, bound);
-    let reciprocal = number(det, 1.0) / det;
-    let t = volumes.t() * reciprocal;
-    let size = t.magnitude();
-    let from_det = (triangle.h * triangle.h) * ray.scale;
-    let of_numerators = size.mul_add(from_det, bound_of_t(triangle, volumes, factor));
-    let of_rounding =
-        size.mul_add(number(t, 4.0) * t.constant(L::Elem::unit_roundoff()), number(t, UNDERFLOW));
-    let error = of_numerators.mul_add(number(t, 2.0) * reciprocal.magnitude(), of_rounding);
-    // Of lanes inside this is so.
-    let is_told =
-        is_bounded & det.magnitude().ge(number(bound, 2.5) * bound) & size.le(number(size, LATEST));
-    let infinity = number(t, f64::INFINITY);
-    let low = L::select(is_told, t - error, -infinity);
-    let high = L::select(is_told, t + error, infinity);
+    let inside = inside(volumes, bound);
+    let reciprocal = number(volumes.det, 1.0) / volumes.det;
+    let t = volumes.t * reciprocal;
+    let of_rounding = t
+        .magnitude()
+        .mul_add(number(t, 4.0) * t.constant(L::Elem::unit_roundoff()), number(t, UNDERFLOW));
+    let of_numerators = bound_of_hit(triangle, volumes, factor);
+    let error = of_numerators.mul_add(reciprocal.magnitude(), of_rounding);
+    let (low, high) = (t - error, t + error);
     let Interval { tmin, tmax } = *interval;
-    let possible = candidates & low.le(tmax) & high.ge(tmin);
-    let certain = possible & inside & low.ge(tmin) & high.le(tmax);
-    Screened { certain, open: L::bits(possible) & !L::bits(certain), low, high }
+    let possible = inside & low.le(tmax) & high.ge(tmin);
+    let certain = possible & low.ge(tmin) & high.le(tmax);
+    let missed = L::bits(inside) & !L::bits(possible);
+    let open = L::bits(candidates) & !missed & !L::bits(certain);
+    Screened { certain, open, low, high }
 }
 
 /// The bound of the error of `T`, as [`bound`] is that of the other volumes.
@@ -258,6 +252,24 @@ pub(crate) fn bound_of_t<L: Lanes>(
     let h = triangle.h;
     let far = volumes.distance.max(number(h, NEAREST)) * (number(h, 3.0) * unit(h, factor));
     (h * h) * far
+}
+
+/// The bound of `t·Δdet − ΔT` of a hit: of a pair that misses it says nothing.
+#[inline(always)]
+pub(crate) fn bound_of_hit<L: Lanes>(
+    triangle: &SizedTriangle<L>,
+    volumes: &Volumes<L>,
+    factor: f64,
+) -> L {
+    let h = triangle.h;
+    let underflow = number(h, 8.0) * h.constant(L::Elem::smallest_det());
+    (h * h).mul_add(size(h, volumes) * (number(h, 3.0) * unit(h, factor)), underflow)
+}
+
+/// How far the triangle reaches, and from the origin twice: `h + 2·S∞`.
+#[inline(always)]
+fn size<L: Lanes>(h: L, volumes: &Volumes<L>) -> L {
+    volumes.distance.mul_add(number(h, 2.0), h)
 }
 
 /// The triangle of lanes, as [`Of`] names it.
@@ -286,28 +298,34 @@ mod tests {
         let tau = number(numbers[15]);
         let ray = Ray { o: vector(0), d: vector(3), tmin: tau, tmax: tau };
         let sized = SizedTriangle::new(&Triangle { a: vector(6), b: vector(9), c: vector(12) });
-        let SizedTriangle { a, b, c, h } = sized;
+        let SizedTriangle { a, b, c, n, h } = sized;
         let splat = |v: Vec3<L::Elem>| v.map(|x| L::splat(token, x));
-        let triangle =
-            SizedTriangle { a: splat(a), b: splat(b), c: splat(c), h: L::splat(token, h) };
+        let triangle = SizedTriangle {
+            a: splat(a),
+            b: splat(b),
+            c: splat(c),
+            n: splat(n),
+            h: L::splat(token, h),
+        };
         (ray.map(|&x| L::splat(token, x)), triangle)
     }
 
-    /// `det`, `U`, `V`, `W` and `τ·det − T`.
-    fn computed<L: Lanes>(token: L::Token, numbers: &Numbers) -> [f64; 5] {
+    /// `det`, `U`, `V`, `W`, `τ·det − T` and `T`.
+    fn computed<L: Lanes>(token: L::Token, numbers: &Numbers) -> [f64; 6] {
         let (ray, triangle) = pair::<L>(token, numbers);
         let volumes = Volumes::new(&BoundedRay::new(ray.o, ray.d, 1.0), &triangle);
         let Volumes { det, u, v, w, .. } = volumes;
-        [det, u, v, w, ray.tmin.mul_sub(det, volumes.t())].map(|x| {
+        [det, u, v, w, ray.tmin.mul_sub(det, volumes.t), volumes.t].map(|x| {
             let mut row = [L::Elem::from_f64(0.0); 16];
             x.store(&mut row);
             row[0].to_f64()
         })
     }
 
-    /// The errors in units of their bounds, as the filter has them. The same formula in f64 stands for
-    /// the exact one: it is off by 2⁻²⁹ of that.
-    fn errors<L: Lanes<Elem = f32>>(token: L::Token, numbers: &Numbers) -> [f64; 5] {
+    /// The errors in units of their bounds, as the filter has them: of the four volumes, of `τ·det − T`, and
+    /// of that with the pair's own `t` where it is a hit. The same formula in f64 stands for the exact
+    /// one: it is off by 2⁻²⁹ of that.
+    fn errors<L: Lanes<Elem = f32>>(token: L::Token, numbers: &Numbers) -> [f64; 6] {
         let exact = computed::<f64>((), numbers);
         let rounded = computed::<L>(token, numbers);
         let (ray, triangle) = pair::<f32>((), numbers);
@@ -317,17 +335,24 @@ mod tests {
         let per_tau = (triangle.h * triangle.h) * ray.scale;
         let of_t = numbers[15].abs().mul_add(per_tau, bound_of_t(&triangle, &volumes, 1.0));
         let bounds = [bound, bound, bound, bound, of_t];
-        [0, 1, 2, 3, 4].map(|i| (rounded[i] - exact[i]).abs() / f64::from(bounds[i]))
+        let [det, u, v, w, _, t] = exact;
+        let is_hit = u.min(v).min(w) > 0.0 || u.max(v).max(w) < 0.0;
+        let of_hit = if is_hit { t / det * rounded[0] - rounded[5] } else { 0.0 };
+        let share = |i: usize| match bounds.get(i) {
+            Some(&bound) => (rounded[i] - exact[i]).abs() / f64::from(bound),
+            None => of_hit.abs() / f64::from(bound_of_hit(&triangle, &volumes, 1.0)),
+        };
+        [0, 1, 2, 3, 4, 5].map(share)
     }
 
     /// Looks for large errors: from a random pair by small steps that do not make its error smaller.
     struct Climb {
-        largest: [f64; 5],
+        largest: [f64; 6],
     }
 
     impl Climb {
         fn from<L: Lanes<Elem = f32>>(&mut self, token: L::Token, stream: &mut Stream) {
-            for goal in 0..5 {
+            for goal in 0..6 {
                 #[allow(clippy::cast_possible_truncation, reason = "any number will do")]
                 let mut numbers: Numbers =
                     core::array::from_fn(|_| stream.range_f64(-1.0, 1.0) as f32);
@@ -362,20 +387,23 @@ mod tests {
     #[test]
     fn errors_stay_within_their_bounds_and_exceed_a_tenth_of_them() {
         let mut stream = Stream::new("exact/climb", 1);
-        let mut plain = Climb { largest: [0.0; 5] };
+        let mut plain = Climb { largest: [0.0; 6] };
         for _ in 0..600 {
             plain.from::<f32>((), &mut stream);
         }
         println!("{:?}", plain.largest);
         assert!(plain.largest.iter().all(|&x| x < 1.0), "{:?}", plain.largest);
-        assert!(plain.largest.iter().all(|&x| x > 0.1), "{:?}", plain.largest);
+        let [volumes @ .., of_hit] = plain.largest;
+        assert!(volumes.iter().all(|&x| x > 0.1), "{volumes:?}");
+        // Its bound has the largest that `t` can be.
+        assert!(of_hit > 0.05, "{of_hit}");
     }
 
     /// How large the least volume of a pair is, in units of the bound, where one that should be negative comes
     /// out positive with the others: so much of the bound would call it a hit. Less than zero where that is
     /// not so. The same in f64 stands for the exact numbers; the last test of a pair is the oracle's.
     fn share_of_false_hit(numbers: &Numbers) -> f64 {
-        let [_, u, v, w, _] = computed::<f64>((), numbers);
+        let [_, u, v, w, ..] = computed::<f64>((), numbers);
         if u.min(v).min(w) >= 0.0 {
             return f64::NEG_INFINITY;
         }
@@ -437,7 +465,7 @@ mod tests {
         use trisect_core::Vector;
         let Some(token) = Avx2::detect() else { return };
         let mut stream = Stream::new("exact/climb", 2);
-        let mut fused = Climb { largest: [0.0; 5] };
+        let mut fused = Climb { largest: [0.0; 6] };
         for _ in 0..10 {
             fused.from::<Vector<Avx2, f32x8<Avx2>, Fused>>(token, &mut stream);
         }

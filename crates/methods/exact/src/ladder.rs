@@ -5,7 +5,6 @@ use core::cmp::Ordering;
 use trisect_core::{Hit, Ray, Scalar, Triangle, Vec3};
 
 use crate::double::{self, Estimate};
-use crate::filter::SizedTriangle;
 use crate::whole::{self, Format, Volumes};
 
 /// Limbs for all that is computed from numbers of f32: 1673 bits for the order of two `t`.
@@ -56,7 +55,8 @@ pub(crate) fn outcome(
     triangle: &Triangle<f64>,
     unit: f64,
 ) -> Outcome {
-    if !is_finite(ray, triangle) {
+    // A ray without a direction is parallel to everything.
+    if !is_finite(ray, triangle) || ray.d.to_array() == [0.0; 3] {
         return Outcome::Miss;
     }
     let estimate = Estimate::new(ray, triangle, unit).and_then(|estimate| estimate.outcome(ray));
@@ -72,25 +72,23 @@ fn whole_outcome(precision: Precision, ray: &Ray<f64>, triangle: &Triangle<f64>)
     }
 }
 
-/// Pairs that are computed together at least: as many numbers of f64 as any vector holds.
-const TOGETHER: usize = 8;
-
-/// `t`, `beta` and `gamma` of the first `count` of some hits, rounded once to the nearest number of the
+/// `t`, `beta` and `gamma` of the hits at the places of some bits, rounded once to the nearest number of the
 /// precision; other places get anything. `pair` gives the pair at a place.
 #[allow(clippy::needless_range_loop, reason = "a loop over places is spread over lanes")]
 #[inline(always)]
 pub(crate) fn values<X: Scalar, const N: usize>(
-    pair: impl Fn(usize) -> (Ray<f64>, SizedTriangle<f64>),
-    count: usize,
+    pair: impl Fn(usize) -> (Ray<f64>, Triangle<f64>),
+    mut hits: u64,
     unit: f64,
 ) -> Hit<[X; N]> {
     let precision = const { Precision::of_size(size_of::<X>()) };
     let zeros = [X::from_f64(0.0); N];
     let mut hit = Hit { t: zeros, beta: zeros, gamma: zeros };
-    let mut told = [0_u8; N];
     // The last bit of f64 cannot be told in the same precision.
     if precision == Precision::Single {
-        for place in 0..count.next_multiple_of(TOGETHER).min(N) {
+        let mut told = [0_u8; N];
+        // All places, whatever is there: to bring hits together takes longer.
+        for place in 0..N {
             let (ray, triangle) = pair(place);
             let ([t, beta, gamma], is_told) = double::singles_within(&ray, &triangle);
             hit.t[place] = X::from_f64(t);
@@ -98,15 +96,20 @@ pub(crate) fn values<X: Scalar, const N: usize>(
             hit.gamma[place] = X::from_f64(gamma);
             told[place] = u8::from(is_told);
         }
-    }
-    for place in 0..count.min(N) {
-        if told[place] == 0 {
-            let (ray, triangle) = pair(place);
-            let [t, beta, gamma] = exact_values(precision, &ray, &triangle, unit).map(X::from_f64);
-            hit.t[place] = t;
-            hit.beta[place] = beta;
-            hit.gamma[place] = gamma;
+        let mut all = 0;
+        for place in 0..N {
+            all |= u64::from(told[place]) << place;
         }
+        hits &= !all;
+    }
+    while hits != 0 {
+        let place = hits.trailing_zeros() as usize % N;
+        hits &= hits - 1;
+        let (ray, triangle) = pair(place);
+        let [t, beta, gamma] = exact_values(precision, &ray, &triangle, unit).map(X::from_f64);
+        hit.t[place] = t;
+        hit.beta[place] = beta;
+        hit.gamma[place] = gamma;
     }
     hit
 }
@@ -117,10 +120,9 @@ pub(crate) fn values<X: Scalar, const N: usize>(
 fn exact_values(
     precision: Precision,
     ray: &Ray<f64>,
-    triangle: &SizedTriangle<f64>,
+    triangle: &Triangle<f64>,
     unit: f64,
 ) -> [f64; 3] {
-    let triangle = &triangle.corners();
     match precision {
         Precision::Single => Estimate::new(ray, triangle, unit)
             .and_then(|estimate| estimate.singles())
@@ -129,8 +131,25 @@ fn exact_values(
     }
 }
 
-/// Which of two triangles that a ray hits comes first along it.
+/// Which of two triangles that a ray hits comes first along it. `unit` is what [`Estimate::new`] takes.
 pub(crate) fn order(
+    precision: Precision,
+    ray: &Ray<f64>,
+    [first, second]: [&Triangle<f64>; 2],
+    unit: f64,
+) -> Ordering {
+    let estimates = [first, second].map(|triangle| Estimate::new(ray, triangle, unit));
+    if let [Some(first), Some(second)] = &estimates
+        && let Some(order) = first.order(second)
+    {
+        return order;
+    }
+    whole_order(precision, ray, first, second)
+}
+
+#[cold]
+#[inline(never)]
+fn whole_order(
     precision: Precision,
     ray: &Ray<f64>,
     first: &Triangle<f64>,

@@ -6,7 +6,7 @@ use core::marker::PhantomData;
 
 use trisect_core::{
     BLOCK, Claims, Culling, Division, Forms, Given, Hit, Homogeneous, Input, Interval, Lanes,
-    Method, MethodInfo, Of, Output, Ray, Scalar, Screened, Triangle, Vec3,
+    Method, MethodInfo, Of, Output, Ray, Scalar, Screened, Triangle, Value, Vec3,
 };
 
 mod closest;
@@ -81,7 +81,7 @@ impl<W: Width> Method for Exact<W> {
     ) -> Homogeneous<L, Given<L>> {
         let volumes = Volumes::new(ray, triangle);
         let Volumes { det, u, v, w, .. } = volumes;
-        Homogeneous { det, t: volumes.t(), alpha: Given(w), beta: u, gamma: v }
+        Homogeneous { det, t: volumes.t, alpha: Given(w), beta: u, gamma: v }
     }
 
     #[inline(always)]
@@ -105,7 +105,7 @@ impl<W: Width> Method for Exact<W> {
             return;
         }
         let bounds = (bound, candidates);
-        let screened = filter::screened(ray, triangle, &volumes, bounds, &interval, W::FILTER);
+        let screened = filter::screened(triangle, &volumes, bounds, &interval, W::FILTER);
         let certain = culling.seen::<L>(
             screened.certain,
             #[inline(always)]
@@ -115,21 +115,27 @@ impl<W: Width> Method for Exact<W> {
     }
 
     #[inline(always)]
+    fn corners<X: Value>(triangle: &SizedTriangle<X>) -> Triangle<X> {
+        triangle.corners()
+    }
+
+    #[inline(always)]
     fn values<X: Scalar, const N: usize>(
-        rays: &Ray<[X; N]>,
-        triangles: &Of<Self::Prepared, [X; N]>,
-        count: usize,
+        rays: &Ray<&[X; N]>,
+        triangles: &Triangle<[X; N]>,
+        hits: u64,
     ) -> Hit<[X; N]> {
-        let SizedTriangle { a, b, c, h } = triangles;
+        let Triangle { a, b, c } = triangles;
         ladder::values(
             #[inline(always)]
-            |lane| {
-                let (o, d) = (lane_of(&rays.o, lane), lane_of(&rays.d, lane));
-                let [a, b, c] = [lane_of(a, lane), lane_of(b, lane), lane_of(c, lane)];
+            |place| {
+                let (o, d) = (vector_at(rays.o, place), vector_at(rays.d, place));
+                let (a, b) = (vector_at(a.each_ref(), place), vector_at(b.each_ref(), place));
+                let c = vector_at(c.each_ref(), place);
                 // Without the interval, which is settled.
-                (Ray { o, d, tmin: 0.0, tmax: 0.0 }, SizedTriangle { a, b, c, h: h[lane].to_f64() })
+                (Ray { o, d, tmin: 0.0, tmax: 0.0 }, Triangle { a, b, c })
             },
-            count,
+            hits,
             double::UNIT * W::DOUBLE,
         )
     }
@@ -139,7 +145,8 @@ impl<W: Width> Method for Exact<W> {
         first: &Of<Self::Prepared, X>,
         second: &Of<Self::Prepared, X>,
     ) -> Ordering {
-        order(ray, &first.corners(), &second.corners())
+        let triangles = [&first.corners(), &second.corners()];
+        closest::order_within(ray, triangles, double::UNIT * W::DOUBLE)
     }
 
     fn stage<X: Scalar>(ray: &Ray<X>, triangle: &Triangle<X>) -> usize {
@@ -199,12 +206,12 @@ impl<W: Width> Method for Exact<W> {
 
 /// Vectors of pairs, number by number and lane by lane.
 struct Unpacked<X> {
-    rows: [[X; BLOCK]; 18],
+    rows: [[X; BLOCK]; 17],
 }
 
 /// Writes the lanes of a vector to three rows.
 #[inline(always)]
-fn store<L: Lanes>(vector: Vec3<L>, rows: &mut [[L::Elem; BLOCK]; 18], row: usize) {
+fn store<L: Lanes>(vector: Vec3<L>, rows: &mut [[L::Elem; BLOCK]; 17], row: usize) {
     vector.x.store(&mut rows[row]);
     vector.y.store(&mut rows[row + 1]);
     vector.z.store(&mut rows[row + 2]);
@@ -217,8 +224,8 @@ impl<X: Scalar> Unpacked<X> {
         triangle: &Triangles<L>,
         [tmin, tmax]: [L; 2],
     ) -> Self {
-        let mut rows = [[X::from_f64(0.0); BLOCK]; 18];
-        let SizedTriangle { a, b, c, h } = *triangle;
+        let mut rows = [[X::from_f64(0.0); BLOCK]; 17];
+        let SizedTriangle { a, b, c, .. } = *triangle;
         // One by one: a loop over the vectors would keep them in memory, in the loop around as well.
         store(ray.o, &mut rows, 0);
         store(ray.d, &mut rows, 3);
@@ -227,16 +234,15 @@ impl<X: Scalar> Unpacked<X> {
         store(c, &mut rows, 12);
         tmin.store(&mut rows[15]);
         tmax.store(&mut rows[16]);
-        h.store(&mut rows[17]);
         Self { rows }
     }
 
     /// One pair, in f64, which holds it exactly.
-    fn pair(&self, lane: usize) -> (Ray<f64>, SizedTriangle<f64>) {
+    fn pair(&self, lane: usize) -> (Ray<f64>, Triangle<f64>) {
         let number = |row: usize| self.rows[row][lane].to_f64();
         let vector = |row: usize| Vec3::new(number(row), number(row + 1), number(row + 2));
         let ray = Ray { o: vector(0), d: vector(3), tmin: number(15), tmax: number(16) };
-        (ray, SizedTriangle { a: vector(6), b: vector(9), c: vector(12), h: number(17) })
+        (ray, Triangle { a: vector(6), b: vector(9), c: vector(12) })
     }
 }
 
@@ -247,12 +253,11 @@ fn settle<X: Scalar>(pairs: &Unpacked<X>, open: u64, unit: f64, sides: &mut [X; 
     let precision = const { Precision::of_size(size_of::<X>()) };
     for lane in lanes_of(open) {
         let (ray, triangle) = pairs.pair(lane);
-        sides[lane] =
-            X::from_f64(match ladder::outcome(precision, &ray, &triangle.corners(), unit) {
-                Outcome::Miss => 0.0,
-                Outcome::Front => 1.0,
-                Outcome::Back => -1.0,
-            });
+        sides[lane] = X::from_f64(match ladder::outcome(precision, &ray, &triangle, unit) {
+            Outcome::Miss => 0.0,
+            Outcome::Front => 1.0,
+            Outcome::Back => -1.0,
+        });
     }
 }
 
@@ -268,11 +273,11 @@ fn values<X: Scalar>(pairs: &Unpacked<X>, hits: u64, unit: f64) -> Hit<[X; BLOCK
     all
 }
 
-/// A vector of many, in f64, which holds it exactly.
+/// One of many vectors, in f64, which holds it exactly.
 #[inline(always)]
-fn lane_of<X: Scalar, const N: usize>(vectors: &Vec3<[X; N]>, lane: usize) -> Vec3<f64> {
+fn vector_at<X: Scalar, const N: usize>(vectors: Vec3<&[X; N]>, place: usize) -> Vec3<f64> {
     let Vec3 { x, y, z } = vectors;
-    Vec3::new(x[lane].to_f64(), y[lane].to_f64(), z[lane].to_f64())
+    Vec3::new(x[place].to_f64(), y[place].to_f64(), z[place].to_f64())
 }
 
 /// The places of the bits that are set, of the lanes of a block.

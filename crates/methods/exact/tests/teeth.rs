@@ -1,63 +1,65 @@
 //! How much of the filter's bound is needed: pairs that a narrower one decides falsely.
 
+use core::cmp::Ordering;
+
 use trisect_core::{
-    Culling, Deferred, Flushing, Hit, Interval, Ray, Scalar as _, Triangle, TrueDivision, Vec3,
-    intersect, intersect_with,
+    Culling, Deferred, Flushing, Hit, Interval, Method, Ray, Scalar as _, Triangle, TrueDivision,
+    Vec3, intersect, intersect_with,
 };
-use trisect_exact::{Exact, Width};
+use trisect_exact::{Exact, Proved, Width};
 use trisect_oracle::Oracle;
-use trisect_workloads::{Pair, Stress};
+use trisect_workloads::{Pair, Stream, Stress};
 
 /// `O`, `D`, `A`, `B` and `C` of pairs that miss, as bits, which the ignored test of `src/filter.rs` found by
 /// climbing. The least of the three volumes is negative, and comes out as such a share of the bound, or more.
 #[allow(clippy::unreadable_literal, reason = "bits of floats, as they were printed")]
 const FALSE_HITS: [(f64, [u32; 15]); 6] = [
     (
-        0.137,
+        0.177,
         [
-            0xbeb6ee92, 0x3d29f40b, 0x3ed9bff9, 0x3f396b2e, 0xbef9d339, 0x3f45b666, 0xbeb3fc71,
-            0x3db1498c, 0x3eecc9ba, 0x3ea21de8, 0xbf54eb56, 0xbec8e977, 0xbf946890, 0x3f724b72,
-            0x3f67f4ce,
+            0xbf07172e, 0xbe85e27a, 0x3e7729f2, 0x3eba99b3, 0xbd88c0ba, 0xbd118767, 0xbef84907,
+            0x3d00ca2d, 0xbeea6e74, 0xbdc8beb8, 0xbf4c24e3, 0x3e2fdc56, 0xbe29fc0f, 0x3f551c53,
+            0x3e8d9307,
         ],
     ),
     (
-        0.113,
+        0.171,
         [
-            0xbe28359b, 0x3d934330, 0x3ed6cb00, 0xbcf84510, 0x3d8c65ef, 0xbf8fce3a, 0x3fa4244b,
-            0x3ee31ced, 0x3f45ef7b, 0xbd7dfb71, 0x3fc27643, 0x3d750009, 0xbe346221, 0x3c27ea95,
-            0x3e4a7c83,
+            0x3d77e0ae, 0x3df2a303, 0x3ee4efc9, 0xbda9e526, 0xbee01241, 0x4011c5e4, 0xbd9e6cc3,
+            0xbed62932, 0x3eb184b6, 0xbf24beb3, 0x3d9a8885, 0xbe5b35fa, 0x3ea743fc, 0x3df94586,
+            0x3f449e9e,
         ],
     ),
     (
-        0.111,
+        0.123,
         [
-            0x3bfb7be7, 0xbc865028, 0xbea6af05, 0xbe35b80d, 0x3f4a9b69, 0x3f01c466, 0x3efd0e49,
-            0x3d8e44a6, 0x3eb9ff8e, 0x3f4fb974, 0xbf26fe22, 0x3f51f22c, 0xbe4045e4, 0x3ec9039c,
-            0xbe9d4f33,
+            0x3ecba7a5, 0xbed1dcd0, 0xbe91ca97, 0xbeb3a27e, 0x3fd16a47, 0xbc26107e, 0x3e6d3737,
+            0x3e1dbe68, 0xbf9618eb, 0x3f2fce3d, 0xbf63a5fc, 0xbe8dc799, 0xbf5ea53f, 0xbf1b9937,
+            0xbea2b0e0,
         ],
     ),
     (
-        0.107,
+        0.122,
         [
-            0x3e2481eb, 0x3d038c68, 0x3f000eed, 0xbd0ebb0f, 0x3f30aa0d, 0xbde878c2, 0x3ea903f9,
-            0xbf369174, 0xbf790d0c, 0x40090059, 0xbf65070a, 0xbd902239, 0xbf8cad10, 0xbe490f30,
-            0x3f81b291,
+            0x3f4b155a, 0xbf1c1ecf, 0x3f29e153, 0xbe286982, 0xbedee256, 0xbf1db47b, 0x3e1f3cdf,
+            0xbe4d762a, 0xbd5b1717, 0xbf49a68c, 0xbf6a8bc5, 0x3f22100d, 0x3f53a241, 0xbf666576,
+            0x3e5acd67,
         ],
     ),
     (
-        0.104,
+        0.119,
         [
-            0x3ca0c8a6, 0xbf499781, 0x3f3742c9, 0xbf22183d, 0xbe02c282, 0xbf83cb2c, 0x3f98efed,
-            0x3e883135, 0x3e7eb662, 0x3ec4f71d, 0x3f9738aa, 0xbe9e66a9, 0x3e2375cc, 0xbf835356,
-            0x3f95ef9b,
+            0xbe4535c0, 0xbea0fc25, 0xbe6a8033, 0xbddadb0c, 0xbee666fc, 0xbc6bf7c9, 0x3f717755,
+            0x3f544aa9, 0xbd4a4a64, 0x3e56c06e, 0xbefe68c7, 0xbfab9e45, 0xbecd1b7c, 0xbd5f347f,
+            0x3ee5bdf0,
         ],
     ),
     (
-        0.103,
+        0.117,
         [
-            0x3f61f40a, 0xbf753ba3, 0x3f63d719, 0xbf0db992, 0x3e6a83d6, 0xbef1c6dd, 0x3d48db9d,
-            0x3d32fc14, 0xbdd131de, 0xbf4fa72d, 0xbe27e564, 0x3f3d70dc, 0x3ef3f4b2, 0xbf65a5bd,
-            0xbf7176db,
+            0xbdd6c4f2, 0xbf15b938, 0x3e5f7e83, 0xbd6ed7c2, 0x3ca28923, 0x3f06a38b, 0x3ed6315a,
+            0xbf85f920, 0xbe2ea6e4, 0xbf4bb52a, 0xbf91d9b9, 0xbf152ce2, 0x3f2eae52, 0xbc691e96,
+            0x3f15bc04,
         ],
     ),
 ];
@@ -91,7 +93,7 @@ fn a_tenth_of_the_bound_calls_misses_hits() {
         assert_eq!(is_fooled, *share > 0.1, "{share}");
         most = most.max(*share);
     }
-    assert!(most > 0.13);
+    assert!(most > 0.17);
 }
 
 /// Subnormal numbers as zeros of their sign.
@@ -132,4 +134,41 @@ fn flushing_to_zero_gives_the_truth_of_the_numbers_or_of_zeros_for_them() {
     }
     println!("{tests} pairs, {hits} hits, {differ} not as with zeros");
     assert!(hits > 1000);
+}
+
+/// f64 that believes a hundredth of its bound.
+struct Hundredth;
+
+impl Width for Hundredth {
+    const FILTER: f64 = 1.0;
+    const DOUBLE: f64 = 0.01;
+}
+
+/// Halves of parallelograms that f32 holds exactly, so that they are in one plane: f64 sees their `t` differ,
+/// and must not believe it.
+#[test]
+fn a_hundredth_of_the_bound_orders_what_is_equal() {
+    fn order<W: Width>(ray: &Ray<f32>, triangles: &[Triangle<f32>; 2]) -> Ordering
+    where
+        Exact<W>: Method,
+    {
+        let [first, second] = triangles.map(|triangle| Exact::<W>::prepare(&triangle, 0));
+        Exact::<W>::order(ray, &first, &second)
+    }
+    let mut stream = Stream::new("exact/order", 1);
+    let mut fooled = 0;
+    for _ in 0..10_000 {
+        // Twenty bits before the point, of which sums have two more.
+        #[allow(clippy::cast_possible_truncation, reason = "whole numbers of few bits")]
+        let mut vector = || {
+            let [x, y, z] = [0, 1, 2].map(|_| stream.range_f64(-1e6, 1e6).round() as f32);
+            Vec3::new(x, y, z)
+        };
+        let (a, b, c, o, d) = (vector(), vector(), vector(), vector(), vector());
+        let triangles = [Triangle { a, b, c }, Triangle { a: b + c - a, b, c }];
+        let ray = Ray::<f32>::new(o, d);
+        assert_eq!(order::<Proved>(&ray, &triangles), Ordering::Equal);
+        fooled += usize::from(order::<Hundredth>(&ray, &triangles) != Ordering::Equal);
+    }
+    assert!(fooled > 20, "{fooled}");
 }

@@ -173,9 +173,9 @@ impl<M: Method, E: Precision> LanesVisitor for Wrong<'_, M, E> {
     }
 }
 
-/// What a screen says of a lane: whether it is certain to hit, and between which numbers `t` lies; nothing
-/// for a certain miss.
-type Said = Option<(bool, f64, f64)>;
+/// What a screen says of a lane: nothing for a certain miss, between which numbers `t` lies for a certain
+/// hit, and else that it is open.
+type Said = Option<Option<(f64, f64)>>;
 
 /// Screens a ray and triangles, one for each lane; where there are fewer the last comes again.
 #[inline(always)]
@@ -202,7 +202,7 @@ fn screen<M: Method, L: Lanes>(
             let certain = L::bits(certain);
             for lane in (0..L::N).filter(|lane| (certain | open) >> lane & 1 == 1) {
                 let [low, high] = [ends[0][lane].to_f64(), ends[1][lane].to_f64()];
-                said[lane] = Some((certain >> lane & 1 == 1, low, high));
+                said[lane] = Some((certain >> lane & 1 == 1).then_some((low, high)));
             }
         },
     );
@@ -213,8 +213,9 @@ fn screen<M: Method, L: Lanes>(
 fn holds(said: Said, truth: Option<f64>) -> bool {
     match (said, truth) {
         // Rounding keeps the order of numbers, of which the ends are two.
-        (Some((_, low, high)), Some(t)) => low <= t && t <= high,
-        (Some((is_certain, ..)), None) => !is_certain,
+        (Some(Some((low, high))), Some(t)) => low <= t && t <= high,
+        (Some(Some(_)), None) => false,
+        (Some(None), _) => true,
         (None, truth) => truth.is_none(),
     }
 }
