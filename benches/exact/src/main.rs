@@ -15,7 +15,7 @@ use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 use serde::Serialize;
 use trisect_core::{Culling, Fused, Lanes, Method, PreparedTriangles, Ray, Token, Vector};
-use trisect_exact::Exact;
+use trisect_exact::{Exact, ExactInTrees};
 use trisect_plucker_translated::PluckerTranslated;
 use trisect_tracer::{Builder, Bvh, Tracing, Tree, TriangleHit};
 use trisect_watertight::{OnePrecision, ShearFirst, Watertight};
@@ -184,7 +184,7 @@ fn tracer(workload: &Workload<'_>, rounds: u16, ratios: &mut Vec<Ratio>) -> Resu
         Ok(Contender { name: M::INFO.name.to_owned(), run: Box::new(run) })
     }
     let contenders = [
-        contender::<Exactly>(workload)?,
+        contender::<ExactInTrees>(workload)?,
         contender::<Watertight>(workload)?,
         contender::<Watertight<OnePrecision>>(workload)?,
         contender::<Watertight<OnePrecision, ShearFirst>>(workload)?,
@@ -197,7 +197,7 @@ fn tracer(workload: &Workload<'_>, rounds: u16, ratios: &mut Vec<Ratio>) -> Resu
 
 /// Camera rays of a mesh and the diffuse rays from where they hit.
 fn of_mesh(mesh: &Mesh) -> Result<[Workload<'_>; 2]> {
-    let tree = Bvh::<Exactly>::build(&mesh.triangles, Builder::Spatial)?;
+    let tree = Bvh::<ExactInTrees>::build(&mesh.triangles, Builder::Spatial)?;
     let mut closest = |ray: &Ray<f32>| {
         let mut found = [None];
         tree.closest(Tracing::Single, Culling::None, &[*ray], &mut found);

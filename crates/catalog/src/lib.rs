@@ -75,6 +75,10 @@ pub fn entries() -> &'static [Entry] {
     struct Collect(Vec<Entry>);
     impl MethodVisitor for Collect {
         fn visit<M: Method>(&mut self) {
+            self.visit_with_trees::<M, M>();
+        }
+
+        fn visit_with_trees<M: Method, T: Method>(&mut self) {
             self.0.push(Entry {
                 info: M::INFO,
                 type_name: type_name::<M>(),
@@ -83,8 +87,8 @@ pub fn entries() -> &'static [Entry] {
                 f64: matrix::kernels::<M, f64>(),
                 flushing: matrix::flushing::<M>(),
                 stages: M::STAGES,
-                tree: |triangles, builder| M::tree(triangles, builder, Leaves::default()),
-                tree_with: M::tree,
+                tree: |triangles, builder| T::tree(triangles, builder, Leaves::default()),
+                tree_with: T::tree,
             });
         }
     }

@@ -251,11 +251,23 @@ pub trait Method: Send + Sync + Sized + 'static {
 pub trait MethodVisitor {
     /// One method.
     fn visit<M: Method>(&mut self);
+
+    /// One that stores something else in trees: there it is `T`, which answers alike.
+    fn visit_with_trees<M: Method, T: Method>(&mut self) {
+        self.visit::<M>();
+    }
 }
 
-/// Names the methods of a crate: declares `pub fn methods`, which the catalogue calls.
+/// Names the methods of a crate: declares `pub fn methods`, which the catalogue calls. For a method that stores
+/// something else in trees, `methods!(Method; in trees: MethodInTrees)`.
 #[macro_export]
 macro_rules! methods {
+    ($method:ty; in trees: $in_trees:ty) => {
+        /// Visits the method of this crate.
+        pub fn methods(visitor: &mut impl $crate::MethodVisitor) {
+            visitor.visit_with_trees::<$method, $in_trees>();
+        }
+    };
     ($($method:ty),+ $(,)?) => {
         /// Visits the methods of this crate.
         pub fn methods(visitor: &mut impl $crate::MethodVisitor) {

@@ -5,7 +5,7 @@ mod common;
 
 use common::tree_by;
 use trisect_core::{Culling, Float, Interval, Ray, Triangle, Vec3};
-use trisect_exact::Exact;
+use trisect_exact::{Exact, ExactInTrees};
 use trisect_oracle::Oracle;
 use trisect_tracer::{Builder, EveryTriangle, ScalarBvh, Tracing, Tree, TriangleHit};
 use trisect_workloads::{Aim, Mesh, Placement, Stream, Surface, diffuse_bounce, primary};
@@ -53,9 +53,14 @@ fn is_true(what: &str, triangles: &[Triangle<f32>], rays: &[Ray<f32>]) -> usize 
         }
     };
     for builder in Builder::ALL {
-        let tree = tree_by::<Exact>(builder, triangles);
-        for tracing in [Tracing::Single, Tracing::Packets, Tracing::Plain] {
-            holds(builder.name(), &tree, tracing);
+        let trees: [Box<dyn Tree>; 2] = [
+            Box::new(tree_by::<Exact>(builder, triangles)),
+            Box::new(tree_by::<ExactInTrees>(builder, triangles)),
+        ];
+        for tree in trees {
+            for tracing in [Tracing::Single, Tracing::Packets, Tracing::Plain] {
+                holds(builder.name(), &*tree, tracing);
+            }
         }
     }
     let scalar = ScalarBvh::<Exact>::build(triangles, Builder::Spatial).expect("it takes all");

@@ -171,7 +171,7 @@ fn singles([t, beta, gamma]: [Bounded; 3]) -> ([f64; 3], bool) {
 pub(crate) fn singles_within(ray: &Ray<f64>, triangle: &Triangle<f64>) -> ([f64; 3], bool) {
     let ray = BoundedRay::new(ray.o, ray.d, 1.0);
     let triangle = &SizedTriangle::new(triangle);
-    let volumes = Volumes::new(&ray, triangle);
+    let volumes = Volumes::new(&ray, triangle, triangle.normal());
     let Volumes { det, u, v, t, .. } = volumes;
     let (bound, of_t) =
         (filter::bound(&ray, triangle, &volumes), filter::bound_of_hit(triangle, &volumes, 1.0));

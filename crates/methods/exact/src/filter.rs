@@ -2,12 +2,10 @@
 //!
 //! Every constant here is derived in `docs/derivations/exact.md`.
 
-use trisect_core::{
-    Interval, Lanes, Of, RayParts, Scalar, Screened, Triangle, Value, Vec3, record,
-};
+use trisect_core::{Interval, Lanes, RayParts, Scalar, Screened, Triangle, Value, Vec3, record};
 
 record! {
-    /// The corners of a triangle, its normal, and how long its edges are.
+    /// The corners of a triangle, and how long its edges are.
     pub struct SizedTriangle {
         /// Corner `A`.
         a: vec3,
@@ -15,8 +13,6 @@ record! {
         b: vec3,
         /// Corner `C`.
         c: vec3,
-        /// The normal, `(C − A) × (B − A)`.
-        n: vec3,
         /// The largest coordinate of `B − A` and `C − A`, at least 2⁻³⁴.
         h: number,
     }
@@ -63,14 +59,22 @@ fn largest<L: Lanes>(v: Vec3<L>) -> L {
 }
 
 impl<X: Scalar> SizedTriangle<X> {
-    /// The corners as they are, the normal, and the size of the edges; NaN for a triangle that is NaN all over.
+    /// The corners as they are, and the size of the edges; NaN for a triangle that is NaN all over.
     #[inline(always)]
     pub fn new(triangle: &Triangle<X>) -> Self {
         let Triangle { a, b, c } = *triangle;
         // The second operand of `max` is what is left of a NaN.
-        let (e1, e2) = (b - a, c - a);
-        let h = number(a.x, SHORTEST).max(largest(e1).max(largest(e2)));
-        Self { a, b, c, n: e2.cross(e1), h }
+        let h = number(a.x, SHORTEST).max(largest(b - a).max(largest(c - a)));
+        Self { a, b, c, h }
+    }
+}
+
+impl<L: Lanes> SizedTriangle<L> {
+    /// The normal, `(C − A) × (B − A)`.
+    #[inline(always)]
+    pub(crate) fn normal(&self) -> Vec3<L> {
+        let Self { a, b, c, .. } = *self;
+        (c - a).cross(b - a)
     }
 }
 
@@ -135,10 +139,10 @@ pub(crate) struct Volumes<L> {
 
 impl<L: Lanes> Volumes<L> {
     /// Möller and Trumbore's products, from the corners themselves, with the factors in an order that leaves
-    /// the normal to the triangle.
+    /// the [normal](SizedTriangle::normal) to the triangle.
     #[inline(always)]
-    pub(crate) fn new(ray: &BoundedRay<L>, triangle: &SizedTriangle<L>) -> Self {
-        let SizedTriangle { a, b, c, n, .. } = *triangle;
+    pub(crate) fn new(ray: &BoundedRay<L>, triangle: &SizedTriangle<L>, n: Vec3<L>) -> Self {
+        let SizedTriangle { a, b, c, .. } = *triangle;
         let s = a - ray.o;
         let (det, t) = (ray.d.dot(n), s.dot(n));
         let r = ray.d.cross(s);
@@ -272,9 +276,6 @@ fn size<L: Lanes>(h: L, volumes: &Volumes<L>) -> L {
     volumes.distance.mul_add(number(h, 2.0), h)
 }
 
-/// The triangle of lanes, as [`Of`] names it.
-pub(crate) type Triangles<L> = Of<SizedTriangle<()>, L>;
-
 #[cfg(test)]
 mod tests {
     use trisect_core::{Fused, Ray, Token};
@@ -286,7 +287,7 @@ mod tests {
     type Numbers = [f32; 16];
 
     /// The numbers of a pair, as lanes of one kind.
-    fn pair<L: Lanes>(token: L::Token, numbers: &Numbers) -> (Ray<L>, SizedTriangle<L>) {
+    fn pair<L: Lanes>(token: L::Token, numbers: &Numbers) -> (Ray<L>, SizedTriangle<L>, Vec3<L>) {
         let number = |x: f32| L::Elem::from_f64(f64::from(x));
         let vector = |place: usize| {
             Vec3::new(
@@ -298,22 +299,19 @@ mod tests {
         let tau = number(numbers[15]);
         let ray = Ray { o: vector(0), d: vector(3), tmin: tau, tmax: tau };
         let sized = SizedTriangle::new(&Triangle { a: vector(6), b: vector(9), c: vector(12) });
-        let SizedTriangle { a, b, c, n, h } = sized;
+        let SizedTriangle { a, b, c, h } = sized;
         let splat = |v: Vec3<L::Elem>| v.map(|x| L::splat(token, x));
-        let triangle = SizedTriangle {
-            a: splat(a),
-            b: splat(b),
-            c: splat(c),
-            n: splat(n),
-            h: L::splat(token, h),
-        };
-        (ray.map(|&x| L::splat(token, x)), triangle)
+        let triangle =
+            SizedTriangle { a: splat(a), b: splat(b), c: splat(c), h: L::splat(token, h) };
+        (ray.map(|&x| L::splat(token, x)), triangle, splat(sized.normal()))
     }
 
-    /// `det`, `U`, `V`, `W`, `τ·det − T` and `T`.
-    fn computed<L: Lanes>(token: L::Token, numbers: &Numbers) -> [f64; 6] {
-        let (ray, triangle) = pair::<L>(token, numbers);
-        let volumes = Volumes::new(&BoundedRay::new(ray.o, ray.d, 1.0), &triangle);
+    /// `det`, `U`, `V`, `W`, `τ·det − T` and `T`, of a normal that is computed over the same lanes, or was
+    /// stored.
+    fn computed<L: Lanes>(token: L::Token, numbers: &Numbers, is_stored: bool) -> [f64; 6] {
+        let (ray, triangle, stored) = pair::<L>(token, numbers);
+        let n = if is_stored { stored } else { triangle.normal() };
+        let volumes = Volumes::new(&BoundedRay::new(ray.o, ray.d, 1.0), &triangle, n);
         let Volumes { det, u, v, w, .. } = volumes;
         [det, u, v, w, ray.tmin.mul_sub(det, volumes.t), volumes.t].map(|x| {
             let mut row = [L::Elem::from_f64(0.0); 16];
@@ -324,13 +322,23 @@ mod tests {
 
     /// The errors in units of their bounds, as the filter has them: of the four volumes, of `τ·det − T`, and
     /// of that with the pair's own `t` where it is a hit. The same formula in f64 stands for the exact
-    /// one: it is off by 2⁻²⁹ of that.
+    /// one: it is off by 2⁻²⁹ of that. The larger of two, with either normal.
     fn errors<L: Lanes<Elem = f32>>(token: L::Token, numbers: &Numbers) -> [f64; 6] {
-        let exact = computed::<f64>((), numbers);
-        let rounded = computed::<L>(token, numbers);
-        let (ray, triangle) = pair::<f32>((), numbers);
+        let of = |is_stored| errors_with::<L>(token, numbers, is_stored);
+        let (computed, stored) = (of(false), of(true));
+        std::array::from_fn(|i| computed[i].max(stored[i]))
+    }
+
+    fn errors_with<L: Lanes<Elem = f32>>(
+        token: L::Token,
+        numbers: &Numbers,
+        is_stored: bool,
+    ) -> [f64; 6] {
+        let exact = computed::<f64>((), numbers, is_stored);
+        let rounded = computed::<L>(token, numbers, is_stored);
+        let (ray, triangle, n) = pair::<f32>((), numbers);
         let ray = BoundedRay::new(ray.o, ray.d, 1.0);
-        let volumes = Volumes::new(&ray, &triangle);
+        let volumes = Volumes::new(&ray, &triangle, n);
         let bound = bound(&ray, &triangle, &volumes);
         let per_tau = (triangle.h * triangle.h) * ray.scale;
         let of_t = numbers[15].abs().mul_add(per_tau, bound_of_t(&triangle, &volumes, 1.0));
@@ -403,13 +411,13 @@ mod tests {
     /// out positive with the others: so much of the bound would call it a hit. Less than zero where that is
     /// not so. The same in f64 stands for the exact numbers; the last test of a pair is the oracle's.
     fn share_of_false_hit(numbers: &Numbers) -> f64 {
-        let [_, u, v, w, ..] = computed::<f64>((), numbers);
+        let [_, u, v, w, ..] = computed::<f64>((), numbers, false);
         if u.min(v).min(w) >= 0.0 {
             return f64::NEG_INFINITY;
         }
-        let (ray, triangle) = pair::<f32>((), numbers);
+        let (ray, triangle, n) = pair::<f32>((), numbers);
         let ray = BoundedRay::new(ray.o, ray.d, 1.0);
-        let volumes = Volumes::new(&ray, &triangle);
+        let volumes = Volumes::new(&ray, &triangle, n);
         let least = volumes.u.min(volumes.v).min(volumes.w);
         f64::from(least) / f64::from(bound(&ray, &triangle, &volumes))
     }

@@ -14,14 +14,16 @@ mod double;
 mod filter;
 mod integer;
 mod ladder;
+mod normal;
 mod solid;
 mod stage;
 mod whole;
 
 pub use closest::{closest, order};
 pub use filter::{BoundedRay, SizedTriangle};
-use filter::{Triangles, Verdict, Volumes};
+use filter::{Verdict, Volumes};
 use ladder::{Outcome, Precision};
+pub use normal::{Computed, Normal, Normals, Stored};
 pub use solid::{Place, point_in_solid};
 pub use stage::Stage;
 
@@ -41,10 +43,14 @@ impl Width for Proved {
     const DOUBLE: f64 = 1.0;
 }
 
-/// Decides every pair as exact arithmetic does; values are rounded once.
-pub struct Exact<W = Proved>(PhantomData<W>);
+/// Decides every pair as exact arithmetic does; values are rounded once. [`ExactInTrees`] is the same for
+/// trees.
+pub struct Exact<W = Proved, From = Computed>(PhantomData<(W, From)>);
 
-impl<W: Width> Method for Exact<W> {
+/// [`Exact`] where a triangle's normal is stored, which is faster in the leaves of a tree.
+pub type ExactInTrees = Exact<Proved, Stored>;
+
+impl<W: Width, From: Normals> Method for Exact<W, From> {
     const INFO: MethodInfo = MethodInfo {
         name: "exact",
         title: "Exact",
@@ -60,13 +66,13 @@ impl<W: Width> Method for Exact<W> {
         error_factor: 1.0,
     };
     const STAGES: &'static [&'static str] = &Stage::NAMES;
-    type Prepared = SizedTriangle<()>;
+    type Prepared = From::Prepared;
     type PreparedRay<L: Lanes> = BoundedRay<L>;
     type Alpha<L: Lanes> = Given<L>;
 
     #[inline(always)]
     fn prepare<X: Scalar>(triangle: &Triangle<X>, _group: usize) -> Of<Self::Prepared, X> {
-        SizedTriangle::new(triangle)
+        From::prepare(SizedTriangle::new(triangle))
     }
 
     #[inline(always)]
@@ -77,28 +83,29 @@ impl<W: Width> Method for Exact<W> {
     #[inline(always)]
     fn intersect<L: Lanes>(
         ray: &BoundedRay<L>,
-        triangle: &SizedTriangle<L>,
+        triangle: &Of<Self::Prepared, L>,
     ) -> Homogeneous<L, Given<L>> {
-        let volumes = Volumes::new(ray, triangle);
+        let volumes = Volumes::new(ray, From::sized(triangle), From::normal(triangle));
         let Volumes { det, u, v, w, .. } = volumes;
         Homogeneous { det, t: volumes.t, alpha: Given(w), beta: u, gamma: v }
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>(triangle: &SizedTriangle<L>, _group: usize) -> Vec3<L> {
-        let SizedTriangle { a, b, c, .. } = *triangle;
-        (b - a).cross(c - a)
+    fn normal<L: Lanes>(triangle: &Of<Self::Prepared, L>, _group: usize) -> Vec3<L> {
+        -From::normal(triangle)
     }
 
     #[inline(always)]
     fn screen<L: Lanes>(
         ray: &BoundedRay<L>,
-        triangle: &SizedTriangle<L>,
+        triangle: &Of<Self::Prepared, L>,
         interval: Interval<L>,
         culling: Culling,
         found: impl FnOnce(Screened<L>),
     ) {
-        let volumes = Volumes::new(ray, triangle);
+        let n = From::normal(triangle);
+        let triangle = From::sized(triangle);
+        let volumes = Volumes::new(ray, triangle, n);
         let bound = filter::bound(ray, triangle, &volumes);
         let candidates = filter::candidates(&volumes, bound);
         if !L::any(candidates) {
@@ -115,8 +122,8 @@ impl<W: Width> Method for Exact<W> {
     }
 
     #[inline(always)]
-    fn corners<X: Value>(triangle: &SizedTriangle<X>) -> Triangle<X> {
-        triangle.corners()
+    fn corners<X: Value>(triangle: &Of<Self::Prepared, X>) -> Triangle<X> {
+        From::sized(triangle).corners()
     }
 
     #[inline(always)]
@@ -145,7 +152,7 @@ impl<W: Width> Method for Exact<W> {
         first: &Of<Self::Prepared, X>,
         second: &Of<Self::Prepared, X>,
     ) -> Ordering {
-        let triangles = [&first.corners(), &second.corners()];
+        let triangles = [&Self::corners(first), &Self::corners(second)];
         closest::order_within(ray, triangles, double::UNIT * W::DOUBLE)
     }
 
@@ -157,12 +164,14 @@ impl<W: Width> Method for Exact<W> {
     #[inline(always)]
     fn test<L: Lanes, D: Division>(
         ray: &BoundedRay<L>,
-        triangle: &SizedTriangle<L>,
+        triangle: &Of<Self::Prepared, L>,
         interval: Interval<L>,
         culling: Culling,
         found: impl FnOnce(L::Mask, Hit<L>),
     ) {
-        let volumes = Volumes::new(ray, triangle);
+        let n = From::normal(triangle);
+        let triangle = From::sized(triangle);
+        let volumes = Volumes::new(ray, triangle, n);
         let bound = filter::bound(ray, triangle, &volumes);
         let candidates = filter::candidates(&volumes, bound);
         if !L::any(candidates) {
@@ -221,7 +230,7 @@ impl<X: Scalar> Unpacked<X> {
     #[inline(always)]
     fn new<L: Lanes<Elem = X>>(
         ray: &BoundedRay<L>,
-        triangle: &Triangles<L>,
+        triangle: &SizedTriangle<L>,
         [tmin, tmax]: [L; 2],
     ) -> Self {
         let mut rows = [[X::from_f64(0.0); BLOCK]; 17];
@@ -294,4 +303,4 @@ fn widened<X: Scalar>(triangle: &Triangle<X>) -> Triangle<f64> {
     triangle.map(|x| x.to_f64())
 }
 
-trisect_core::methods!(Exact);
+trisect_core::methods!(Exact; in trees: ExactInTrees);

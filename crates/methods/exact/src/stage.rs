@@ -32,7 +32,7 @@ impl Stage {
         let interval = Interval::of(ray);
         let bounded = BoundedRay::new(ray.o, ray.d, 1.0);
         let sized = SizedTriangle::new(&triangle.or_nothing());
-        let volumes = Volumes::new(&bounded, &sized);
+        let volumes = Volumes::new(&bounded, &sized, sized.normal());
         let bound = filter::bound(&bounded, &sized, &volumes);
         let candidate = filter::candidates(&volumes, bound);
         if !candidate {

@@ -6,7 +6,7 @@ use trisect_core::{
     Precision, PreparedTriangles, Ray, Record as _, Scalar, Screened, Token, Triangle,
     TrueDivision, Vec3, one_ray, one_triangle, rows,
 };
-use trisect_exact::{Exact, Width};
+use trisect_exact::{Exact, ExactInTrees, Width};
 use trisect_oracle::Oracle;
 use trisect_workloads::{Stream, Stress};
 
@@ -228,9 +228,12 @@ fn run<M: Method, E: Precision>(scene: &Scene<E>) -> Wrong<'_, M, E> {
 }
 
 fn is_right<E: Precision>(scene: &Scene<E>, what: &str) -> u64 {
-    let Wrong { tests, misjudged, misscreened, first, .. } = run::<Exact, E>(scene);
-    assert_eq!((misjudged, misscreened), (0, 0), "{what}: {first:?}");
-    tests
+    fn by<M: Method, E: Precision>(scene: &Scene<E>, what: &str) -> u64 {
+        let Wrong { tests, misjudged, misscreened, first, .. } = run::<M, E>(scene);
+        assert_eq!((misjudged, misscreened), (0, 0), "{what}: {first:?}");
+        tests
+    }
+    by::<Exact, E>(scene, what) + by::<ExactInTrees, E>(scene, what)
 }
 
 /// Scenes per family and level; the long run has its own number.
