@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use trisect_core::{Hit, Interval, Lanes, Method, Record as _};
+use trisect_core::{Culling, Hit, Interval, Lanes, Method, Record as _};
 
 use crate::bvh::{Bvh, WIDTH};
 use crate::hit::TriangleHit;
@@ -14,16 +14,16 @@ use crate::rows::{RAYS, Rows};
 /// So many rays at least: a block of eight triangles has five on average.
 const LEAST: u32 = 6;
 
-/// Whether the rays of a packet can be tested side by side: where none has its own axes, and where a test
-/// decides.
-pub(crate) const fn suits<M: Method, const ANY: bool>() -> bool {
-    !M::TURNS && (ANY || !M::INFO.claims.exact)
+/// Whether the rays of a packet are tested side by side: where none has its own axes, and where a test
+/// decides. Not where faces are culled, for the time that it takes to compile.
+pub(crate) const fn suits<M: Method, F: Faces, const ANY: bool>() -> bool {
+    !M::TURNS && (ANY || !M::INFO.claims.exact) && matches!(F::CULLING, Culling::None)
 }
 
 /// Tests the triangles of a leaf for some rays, in bits, as [`leaf::test_leaf`](crate::leaf::test_leaf) does
 /// for one; whether any of them has hit anything so far, and those that are left, too few to be worth it.
 #[inline(always)]
-pub(crate) fn test_leaf<M, L, F, const ANY: bool, const ROBUST: bool>(
+pub(crate) fn test_leaf<M, L, const ANY: bool, const ROBUST: bool>(
     token: L::Token,
     bvh: &Bvh<M>,
     blocks: &Range<usize>,
@@ -33,7 +33,6 @@ pub(crate) fn test_leaf<M, L, F, const ANY: bool, const ROBUST: bool>(
 where
     M: Method,
     L: Lanes<Elem = f32>,
-    F: Faces,
 {
     let mut any = false;
     while rays.count_ones() >= LEAST {
@@ -42,8 +41,7 @@ where
         for at in blocks.clone() {
             let group = if const { M::GROUPS > 1 } { usize::from(bvh.groups[at]) } else { 0 };
             let ray = M::prepare_ray(&ray, group);
-            any |=
-                test_block::<M, L, F, ANY, ROBUST>(token, bvh, at, &ray, interval, rows, &places);
+            any |= test_block::<M, L, ANY, ROBUST>(token, bvh, at, &ray, interval, rows, &places);
         }
     }
     (any, rays)
@@ -51,7 +49,7 @@ where
 
 /// Tests the triangles of a block; whether any is hit.
 #[inline(always)]
-fn test_block<M: Method, L: Lanes<Elem = f32>, F: Faces, const ANY: bool, const ROBUST: bool>(
+fn test_block<M: Method, L: Lanes<Elem = f32>, const ANY: bool, const ROBUST: bool>(
     token: L::Token,
     bvh: &Bvh<M>,
     at: usize,
@@ -78,7 +76,7 @@ fn test_block<M: Method, L: Lanes<Elem = f32>, F: Faces, const ANY: bool, const 
             ray,
             &triangle,
             interval,
-            F::CULLING,
+            Culling::None,
             #[inline(always)]
             |met, hit| {
                 if ANY {

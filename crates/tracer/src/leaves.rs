@@ -147,9 +147,9 @@ where
             #[inline(always)]
             || {
                 let mut any = false;
-                if const { abreast::suits::<M, ANY>() } {
+                if const { abreast::suits::<M, F, ANY>() } {
                     let (some, rest) =
-                        abreast::test_leaf::<M, L, F, ANY, ROBUST>(token, bvh, &blocks, rows, rays);
+                        abreast::test_leaf::<M, L, ANY, ROBUST>(token, bvh, &blocks, rows, rays);
                     (any, rays) = (some, rest);
                 }
                 while rays != 0 {
