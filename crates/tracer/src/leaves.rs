@@ -88,7 +88,7 @@ where
         let is_hit = best.is_hit();
         if is_hit {
             let tmax = end::<ANY, ROBUST>(best, ray.tmax);
-            rows.shorten(place, tmax);
+            rows.end(place, tmax);
         }
         is_hit
     }
