@@ -1,0 +1,156 @@
+//! The kinds of file that the program reads, and the commands that read them.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A kind of file that the program reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Format {
+    /// Polygon file, of text or of either byte order.
+    Ply,
+    /// Wavefront mesh.
+    Obj,
+    /// Material library of a Wavefront mesh.
+    Mtl,
+    /// Stereolithography mesh, of text or binary.
+    Stl,
+    /// glTF 2.0 as JSON.
+    Gltf,
+    /// glTF 2.0 as one binary file.
+    Glb,
+    /// Scene file of the program.
+    Toml,
+    /// Rays as text.
+    Csv,
+    /// Rays as binary numbers.
+    Rays,
+    /// Records of measurements, a JSON object a line.
+    Records,
+    /// Picture, as a texture.
+    Png,
+    /// Picture, as a texture.
+    Jpeg,
+    /// Picture that the program writes and does not read: as a texture it is refused.
+    Exr,
+}
+
+impl Format {
+    /// All of them. A mutant's number says its format: the order is part of what a number means.
+    pub const ALL: [Self; 13] = [
+        Self::Ply,
+        Self::Obj,
+        Self::Mtl,
+        Self::Stl,
+        Self::Gltf,
+        Self::Glb,
+        Self::Toml,
+        Self::Csv,
+        Self::Rays,
+        Self::Records,
+        Self::Png,
+        Self::Jpeg,
+        Self::Exr,
+    ];
+
+    /// The name, which is that of its folder in the corpus as well.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ply => "ply",
+            Self::Obj => "obj",
+            Self::Mtl => "mtl",
+            Self::Stl => "stl",
+            Self::Gltf => "gltf",
+            Self::Glb => "glb",
+            Self::Toml => "toml",
+            Self::Csv => "csv",
+            Self::Rays => "rays",
+            Self::Records => "records",
+            Self::Png => "png",
+            Self::Jpeg => "jpeg",
+            Self::Exr => "exr",
+        }
+    }
+
+    /// The ending of a file's name.
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Records => "jsonl",
+            Self::Jpeg => "jpg",
+            other => other.name(),
+        }
+    }
+
+    /// The format of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|format| format.name() == name)
+    }
+
+    /// The format of a file, by its ending in either case.
+    pub fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?;
+        Self::ALL.into_iter().find(|format| format.ending().eq_ignore_ascii_case(ending))
+    }
+
+    /// Whether it holds a mesh, which two verbs read.
+    pub fn is_mesh(self) -> bool {
+        matches!(self, Self::Ply | Self::Obj | Self::Stl | Self::Gltf | Self::Glb)
+    }
+
+    /// The name of a mutant's file.
+    pub(crate) fn file(self) -> String {
+        format!("mutant.{}", self.ending())
+    }
+
+    /// The command lines that a mutant is given to, their words separated by blanks. Of a record's, which
+    /// take longer, the number chooses two.
+    pub(crate) fn commands(self, number: u64) -> Vec<String> {
+        let file = self.file();
+        let query =
+            |mesh: &str, rays: &str| format!("query --mesh {mesh} --rays {rays} --method exact");
+        let render = |scene: &str| {
+            format!(
+                "render {scene} --out {PICTURE} --width 8 --height 8 --sampling grid:1 --threads 1"
+            )
+        };
+        match self {
+            Self::Ply | Self::Obj | Self::Stl | Self::Gltf | Self::Glb => {
+                vec![query(&file, "rays.csv"), render(&file)]
+            }
+            Self::Mtl => vec![render("uses.obj")],
+            Self::Toml => vec![render(&file)],
+            Self::Csv | Self::Rays => vec![query("tetra.obj", &file)],
+            Self::Records => {
+                let read = match number / Self::ALL.len() as u64 % 4 {
+                    0 => format!("rank {file}"),
+                    1 => format!("rank {file} --json"),
+                    2 => format!("cmp {file} sound.jsonl"),
+                    _ => format!("cmp sound.jsonl {file} --json"),
+                };
+                vec![read, format!("report {file} --output {PAGE} --json")]
+            }
+            Self::Png | Self::Jpeg | Self::Exr => vec![render(&format!("{}.toml", self.ending()))],
+        }
+    }
+}
+
+/// Where a picture is written.
+pub(crate) const PICTURE: &str = "picture.png";
+/// Where a report is written.
+pub(crate) const PAGE: &str = "page";
+
+/// The folder of what is mutated, and of the sound files beside it.
+pub fn corpus() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus")
+}
+
+/// The files of a folder, sorted by name, with their content.
+///
+/// # Errors
+/// When the folder or a file cannot be read.
+pub fn files(folder: &Path) -> io::Result<Vec<(PathBuf, Vec<u8>)>> {
+    let mut paths = std::fs::read_dir(folder)?
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<io::Result<Vec<_>>>()?;
+    paths.sort();
+    paths.into_iter().map(|path| std::fs::read(&path).map(|bytes| (path, bytes))).collect()
+}
