@@ -180,7 +180,7 @@ impl Campaign {
             return Ok(bytes);
         }
         let mut bench = Bench::new(&self.program)?;
-        let same = says(&finding.fault);
+        let same = finding.fault.class();
         let mut runs = 0;
         let mut part = bytes.len().div_ceil(2);
         while part > 0 {
@@ -191,7 +191,7 @@ impl Campaign {
                 runs += 1;
                 match bench.verdict(finding.format, &rest, finding.number)? {
                     Verdict::Faulty(fault)
-                        if fault.kind == finding.fault.kind && says(&fault) == same =>
+                        if fault.kind == finding.fault.kind && fault.class() == same =>
                     {
                         bytes = rest;
                     }
@@ -209,7 +209,7 @@ fn poisoned() -> io::Error {
 }
 
 fn keep(findings: &mut Findings, finding: Finding) {
-    let key = (finding.format, finding.fault.kind, says(&finding.fault));
+    let key = (finding.format, finding.fault.kind, finding.fault.class());
     match findings.get_mut(&key) {
         None => drop(findings.insert(key, finding)),
         Some(known) => {
@@ -222,16 +222,25 @@ fn keep(findings: &mut Findings, finding: Finding) {
     }
 }
 
-/// What a fault says, without what differs from mutant to mutant: numbers, and what is quoted.
-fn says(fault: &Fault) -> String {
-    let mut says = String::new();
-    let outside = fault.what.split(['`', '"']).step_by(2);
-    for part in outside {
-        says.extend(part.chars().filter(|c| !c.is_ascii_digit() && !"+-.".contains(*c)));
+impl Fault {
+    /// What it says, without what differs from file to file: numbers, and what is quoted.
+    pub fn class(&self) -> String {
+        let what = self.what.as_str();
+        match self.kind {
+            // The line of the code.
+            Kind::Crash if what.starts_with("panicked at") => {
+                what.split(' ').take(3).collect::<Vec<_>>().join(" ")
+            }
+            Kind::Crash | Kind::Disagreement => class_of(what),
+            _ => what.split(':').next().unwrap_or_default().to_owned(),
+        }
     }
-    // What no quotes surround may differ too, farther on.
-    says.truncate(says.char_indices().nth(60).map_or(says.len(), |(at, _)| at));
-    says
+}
+
+/// The class of a message: its head without numbers and without what is quoted.
+pub fn class_of(message: &str) -> String {
+    let outside = message.split(['`', '"']).step_by(2).collect::<String>();
+    outside.chars().filter(|c| !c.is_ascii_digit() && !"+-.".contains(*c)).take(80).collect()
 }
 
 #[cfg(test)]
@@ -261,7 +270,7 @@ mod tests {
         let finding = |number, what: &str| Finding {
             format: Format::Ply,
             number,
-            fault: Fault { kind: Kind::Message, command: String::new(), what: what.to_owned() },
+            fault: Fault { kind: Kind::Disagreement, command: String::new(), what: what.to_owned() },
             count: 1,
         };
         let mut findings = Findings::new();

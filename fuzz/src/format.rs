@@ -101,42 +101,35 @@ impl Format {
         format!("mutant.{}", self.ending())
     }
 
-    /// The command lines that a mutant is given to, their words separated by blanks. Of a record's, which
-    /// take longer, the number chooses two.
-    pub(crate) fn commands(self, number: u64) -> Vec<String> {
-        let file = self.file();
-        let query =
-            |mesh: &str, rays: &str| format!("query --mesh {mesh} --rays {rays} --method exact");
-        let render = |scene: &str| {
-            format!(
-                "render {scene} --out {PICTURE} --width 8 --height 8 --sampling grid:1 --threads 1"
-            )
-        };
-        match self {
+    /// The command lines that read a file of that name, each as words. Of a record's, which take longer, the
+    /// number chooses two.
+    pub(crate) fn commands(self, file: &str, number: u64) -> Vec<Vec<String>> {
+        let scene = format!("{}.toml", self.ending());
+        let query = "query --rays rays.csv --method exact --mesh";
+        let render = "render --out picture.png --width 8 --height 8 --sampling grid:1 --threads 1";
+        let all = match self {
             Self::Ply | Self::Obj | Self::Stl | Self::Gltf | Self::Glb => {
-                vec![query(&file, "rays.csv"), render(&file)]
+                vec![(query, file), (render, file)]
             }
-            Self::Mtl => vec![render("uses.obj")],
-            Self::Toml => vec![render(&file)],
-            Self::Csv | Self::Rays => vec![query("tetra.obj", &file)],
+            Self::Mtl => vec![(render, "uses.obj")],
+            Self::Toml => vec![(render, file)],
+            Self::Csv | Self::Rays => vec![("query --mesh tetra.obj --method exact --rays", file)],
             Self::Records => {
                 let read = match number / Self::ALL.len() as u64 % 4 {
-                    0 => format!("rank {file}"),
-                    1 => format!("rank {file} --json"),
-                    2 => format!("cmp {file} sound.jsonl"),
-                    _ => format!("cmp sound.jsonl {file} --json"),
+                    0 => "rank",
+                    1 => "rank --json",
+                    2 => "cmp sound.jsonl",
+                    _ => "cmp --json sound.jsonl",
                 };
-                vec![read, format!("report {file} --output {PAGE} --json")]
+                vec![(read, file), ("report --json --output page", file)]
             }
-            Self::Png | Self::Jpeg | Self::Exr => vec![render(&format!("{}.toml", self.ending()))],
-        }
+            Self::Png | Self::Jpeg | Self::Exr => vec![(render, &*scene)],
+        };
+        let words =
+            |(head, last): (&str, &str)| head.split(' ').chain([last]).map(String::from).collect();
+        all.into_iter().map(words).collect()
     }
 }
-
-/// Where a picture is written.
-pub(crate) const PICTURE: &str = "picture.png";
-/// Where a report is written.
-pub(crate) const PAGE: &str = "page";
 
 /// The folder of what is mutated, and of the sound files beside it.
 pub fn corpus() -> PathBuf {
@@ -146,11 +139,14 @@ pub fn corpus() -> PathBuf {
 /// The files of a folder, sorted by name, with their content.
 ///
 /// # Errors
-/// When the folder or a file cannot be read.
+/// When the folder or a file cannot be read; the message names the folder.
 pub fn files(folder: &Path) -> io::Result<Vec<(PathBuf, Vec<u8>)>> {
-    let mut paths = std::fs::read_dir(folder)?
-        .map(|entry| entry.map(|entry| entry.path()))
-        .collect::<io::Result<Vec<_>>>()?;
-    paths.sort();
-    paths.into_iter().map(|path| std::fs::read(&path).map(|bytes| (path, bytes))).collect()
+    let read = || -> io::Result<_> {
+        let mut paths = std::fs::read_dir(folder)?
+            .map(|entry| entry.map(|entry| entry.path()))
+            .collect::<io::Result<Vec<_>>>()?;
+        paths.sort();
+        paths.into_iter().map(|path| std::fs::read(&path).map(|bytes| (path, bytes))).collect()
+    };
+    read().map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))
 }

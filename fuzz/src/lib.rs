@@ -8,10 +8,10 @@ mod mutate;
 mod run;
 mod words;
 
-pub use campaign::{Campaign, Finding, Outcome, Tally};
+pub use campaign::{Campaign, Finding, Outcome, Tally, class_of};
 pub use format::{Format, corpus, files};
 pub use mutate::Mutator;
-pub use run::{Bench, Fault, Kind, MEMORY, TIME, Verdict, limit_memory};
+pub use run::{Bench, Fault, Judgement, Kind, MEMORY, TIME, Verdict, limit_memory};
 
 use std::path::{Path, PathBuf};
 

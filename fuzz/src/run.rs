@@ -1,7 +1,7 @@
 //! One file given to the program, in a process of its own, and what must hold of it.
 
 use std::collections::BTreeSet;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::{self, Read as _, Seek as _};
 use std::path::{Path, PathBuf};
@@ -11,10 +11,13 @@ use std::time::Duration;
 use serde::de::IgnoredAny;
 use tempfile::TempDir;
 
-use crate::format::{Format, PAGE, PICTURE, corpus, files};
+use crate::format::{Format, corpus, files};
 
 /// How long a process may take.
 pub const TIME: Duration = Duration::from_secs(10);
+
+/// How long an ordinary file may take, which may be a large one.
+const ORDINARY_TIME: Duration = Duration::from_secs(60);
 
 /// Bytes of memory that a process may ask for.
 pub const MEMORY: u64 = 2 << 30;
@@ -87,12 +90,7 @@ impl Runner {
         Ok(Self { program: program.to_owned(), stdout, stderr })
     }
 
-    fn run<'a>(
-        &mut self,
-        folder: &Path,
-        arguments: impl IntoIterator<Item = &'a str>,
-        most: Duration,
-    ) -> io::Result<Run> {
+    fn run(&mut self, folder: &Path, arguments: &[String], most: Duration) -> io::Result<Run> {
         for file in [&mut self.stdout, &mut self.stderr] {
             file.set_len(0)?;
             file.rewind()?;
@@ -178,6 +176,9 @@ impl Kind {
     }
 }
 
+/// Of one command: the message where it refuses a file.
+pub type Judgement = Result<Option<String>, Fault>;
+
 /// A folder with the sound files that a mutant may need beside it, and one to try mutants in.
 pub struct Bench {
     runner: Runner,
@@ -206,26 +207,53 @@ impl Bench {
     /// does.
     pub fn verdict(&mut self, format: Format, bytes: &[u8], number: u64) -> io::Result<Verdict> {
         let file = format.file();
-        fs::write(self.folder.path().join(&file), bytes)?;
+        let place = self.folder.path().join(&file);
+        fs::write(&place, bytes)?;
+        let verdict = self.tried(format, &file, number);
+        fs::remove_file(place)?;
+        verdict
+    }
+
+    fn tried(&mut self, format: Format, file: &str, number: u64) -> io::Result<Verdict> {
         let mut refused: Option<String> = None;
         let mut accepted = false;
-        for command in format.commands(number) {
-            let run = self.runner.run(self.folder.path(), command.split(' '), TIME)?;
-            let made = self.clean(&file)?;
-            match run.judged(&command, &made) {
-                Ok(None) => accepted = true,
-                Ok(Some(message)) => refused = Some(message),
-                Err((kind, what)) => return Ok(Verdict::Faulty(Fault { kind, command, what })),
-            }
-            if format.is_mesh()
-                && accepted
-                && let Some(what) = refused.take()
-            {
-                let kind = Kind::Disagreement;
+        for arguments in format.commands(file, number) {
+            let message = match self.judged(&arguments, file, TIME)? {
+                Err(fault) => return Ok(Verdict::Faulty(fault)),
+                Ok(message) => message,
+            };
+            if format.is_mesh() && disagree(accepted, refused.as_deref(), message.as_deref()) {
+                let what = refused.or(message).unwrap_or_default();
+                let (kind, command) = (Kind::Disagreement, arguments.join(" "));
                 return Ok(Verdict::Faulty(Fault { kind, command, what }));
             }
+            accepted |= message.is_none();
+            refused = message.or(refused);
         }
         Ok(refused.map_or(Verdict::Accepted, Verdict::Refused))
+    }
+
+    /// Gives a file where it lies to every command that reads its format; each result is the message where it
+    /// is refused.
+    ///
+    /// # Errors
+    /// As [`Bench::verdict`].
+    pub fn ordinary(&mut self, format: Format, file: &Path) -> io::Result<Vec<Judgement>> {
+        let file = std::path::absolute(file)?;
+        let commands = format.commands(&file.to_string_lossy(), 0);
+        commands.iter().map(|arguments| self.judged(arguments, "", ORDINARY_TIME)).collect()
+    }
+
+    fn judged(
+        &mut self,
+        arguments: &[String],
+        mutant: &str,
+        most: Duration,
+    ) -> io::Result<Judgement> {
+        let run = self.runner.run(self.folder.path(), arguments, most)?;
+        let made = self.clean(mutant)?;
+        let fault = |(kind, what)| Fault { kind, command: arguments.join(" "), what };
+        Ok(run.judged(arguments, &made).map_err(fault))
     }
 
     /// Removes what a command made, and gives the names.
@@ -248,7 +276,7 @@ impl Run {
     /// The message of what is refused; none of what is accepted.
     fn judged(
         &self,
-        command: &str,
+        arguments: &[String],
         made: &BTreeSet<OsString>,
     ) -> Result<Option<String>, (Kind, String)> {
         let Some(status) = self.status else {
@@ -258,26 +286,25 @@ impl Run {
         let panic = lines.iter().position(|line| line.contains("panicked at"));
         let code = status.code();
         if panic.is_some() || !matches!(code, Some(0 | 2)) {
-            let from = panic.unwrap_or_default();
-            let says = lines.get(from..).unwrap_or_default();
-            let says = says.iter().take(3).map(|line| cut(line)).collect::<Vec<_>>().join(" | ");
-            return Err((Kind::Crash, format!("{status}: {says}")));
+            let says = lines.get(panic.unwrap_or_default()..).unwrap_or_default();
+            let says = says.iter().take(2).map(|line| cut(line)).collect::<Vec<_>>().join(" ");
+            let says = says.find("panicked at").map_or(says.as_str(), |at| &says[at..]);
+            return Err((Kind::Crash, format!("{says} ({status})")));
         }
         if lines.len() > NOTES {
-            return Err((Kind::Message, format!("{} lines on standard error", lines.len())));
+            return Err((Kind::Message, format!("too many lines: {}", lines.len())));
         }
         if let Some(long) = lines.iter().find(|line| line.len() > MESSAGE) {
-            let what = format!("a line of {} bytes: {}", long.len(), cut(long));
+            let what = format!("too long: {} bytes: {}", long.len(), cut(long));
             return Err((Kind::Message, what));
         }
         if let Some(line) = lines.iter().find(|line| line.contains(char::is_control)) {
             return Err((Kind::Message, format!("control characters: {}", cut(line))));
         }
-        let verb = command.split(' ').next().unwrap_or_default();
         if code == Some(2) {
-            self.is_one_message(command, &lines)?;
+            self.is_one_message(arguments, &lines)?;
             if !self.stdout.is_empty() {
-                let what = format!("{} bytes of what is refused", self.stdout.len());
+                let what = format!("of what is refused: {} bytes", self.stdout.len());
                 return Err((Kind::Output, what));
             }
             if !made.is_empty() {
@@ -285,39 +312,55 @@ impl Run {
             }
             return Ok(Some(lines.last().copied().unwrap_or_default().to_owned()));
         }
-        let wanted = match verb {
-            "render" => Some(PICTURE),
-            "report" => Some(PAGE),
-            _ => None,
-        };
+        // What is asked for by name.
+        let output = arguments.iter().position(|word| word == "--out" || word == "--output");
+        let wanted = output.and_then(|at| arguments.get(at + 1)).map(OsStr::new);
         if !made.iter().map(OsString::as_os_str).eq(wanted) {
-            return Err((Kind::Files, format!("{made:?} instead of {wanted:?}")));
+            return Err((
+                Kind::Files,
+                format!("other than asked for: {made:?} instead of {wanted:?}"),
+            ));
         }
         let is_json = |text: &[u8]| serde_json::from_slice::<IgnoredAny>(text).is_ok();
-        let is_sound = match verb {
-            "query" => answers_are_sound(&self.stdout),
-            _ if command.ends_with("--json") => is_json(&self.stdout),
-            _ => !self.stdout.is_empty(),
+        let has = |word: &str| arguments.iter().any(|other| other == word);
+        let is_sound = match () {
+            () if has("query") => answers_are_sound(&self.stdout),
+            () if has("--json") => is_json(&self.stdout),
+            () => !self.stdout.is_empty(),
         };
         if !is_sound {
-            return Err((Kind::Output, cut(&String::from_utf8_lossy(&self.stdout))));
+            return Err((
+                Kind::Output,
+                format!("unsound: {}", cut(&String::from_utf8_lossy(&self.stdout))),
+            ));
         }
         Ok(None)
     }
 
-    /// The last line is the program's, and names a file; those before it are notes, which begin with a
-    /// file's name.
-    fn is_one_message(&self, command: &str, lines: &[&str]) -> Result<(), (Kind, String)> {
+    /// The last line is the program's, and begins with the name of a file.
+    fn is_one_message(&self, arguments: &[String], lines: &[&str]) -> Result<(), (Kind, String)> {
         let own = lines.iter().filter(|line| line.starts_with("trisect: ")).count();
         let last = lines.last().copied().unwrap_or_default();
-        let names = command.split(' ').any(|word| word.contains('.') && last.contains(word));
         if own != 1 || !last.starts_with("trisect: ") || !self.stderr.ends_with('\n') {
-            return Err((Kind::Message, format!("{own} messages: {}", cut(&self.stderr))));
+            return Err((Kind::Message, format!("not one message: {}", cut(&self.stderr))));
         }
-        if !names && !last.contains("mutant.") {
+        // The file at fault may be one that the mutant names.
+        let named = last["trisect: ".len()..].split(": ").next().unwrap_or_default();
+        if !arguments.iter().any(|word| word == named) && !named.contains('.') {
             return Err((Kind::Message, format!("names no file: {}", cut(last))));
         }
         Ok(())
+    }
+}
+
+/// Whether `query` and `render`, in this order, differ about a mesh. A scene may be refused for what a mesh
+/// alone does not have.
+fn disagree(accepted: bool, refused: Option<&str>, message: Option<&str>) -> bool {
+    const OF_SCENES: [&str; 5] = ["texture", "picture", "material", "camera", "light"];
+    match (accepted, refused, message) {
+        (true, _, Some(message)) => !OF_SCENES.iter().any(|word| message.contains(word)),
+        (_, Some(_), None) => true,
+        _ => false,
     }
 }
 
