@@ -270,7 +270,11 @@ mod tests {
         let finding = |number, what: &str| Finding {
             format: Format::Ply,
             number,
-            fault: Fault { kind: Kind::Disagreement, command: String::new(), what: what.to_owned() },
+            fault: Fault {
+                kind: Kind::Disagreement,
+                command: String::new(),
+                what: what.to_owned(),
+            },
             count: 1,
         };
         let mut findings = Findings::new();

@@ -292,8 +292,7 @@ mod tests {
                     assert!(covers.end <= bytes.len(), "{}", path.display());
                 }
                 let chunks = match format {
-                    Format::Glb => 3,
-                    Format::Png => 3,
+                    Format::Glb | Format::Png => 3,
                     Format::Jpeg => 5,
                     _ => 0,
                 };

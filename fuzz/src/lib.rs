@@ -25,7 +25,7 @@ pub fn program(named: Option<&Path>) -> anyhow::Result<PathBuf> {
             .with_file_name("trisect")
             .with_extension(std::env::consts::EXE_EXTENSION))
     };
-    let program = named.map_or_else(beside, |path| std::path::absolute(path))?;
+    let program = named.map_or_else(beside, std::path::absolute)?;
     anyhow::ensure!(
         program.is_file(),
         "{}: there is no such program; build it with `cargo build --release`, or name one with --program",

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use rand::seq::IndexedRandom as _;
+use rand::seq::{IndexedRandom as _, IteratorRandom as _};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64;
 
@@ -23,64 +23,13 @@ const LARGEST: usize = 1 << 18;
 const LONG: usize = 1 << 16;
 
 /// Numbers at the ends of the ranges that readers keep them in, beyond them, and beside them.
-const NUMBERS: &[&str] = &[
-    "0",
-    "-0",
-    "-0.0",
-    "1",
-    "-1",
-    "2",
-    "127",
-    "128",
-    "255",
-    "256",
-    "-32768",
-    "32767",
-    "65535",
-    "65536",
-    "16777217",
-    "2147483647",
-    "2147483648",
-    "-2147483648",
-    "-2147483649",
-    "4294967295",
-    "4294967296",
-    "9223372036854775807",
-    "9223372036854775808",
-    "-9223372036854775808",
-    "18446744073709551615",
-    "18446744073709551616",
-    "1e-30",
-    "1e-38",
-    "1e-45",
-    "5e-324",
-    "1e18",
-    "1e19",
-    "1e30",
-    "3.4028235e38",
-    "-3.4028235e38",
-    "3.4028236e38",
-    "1e39",
-    "1e308",
-    "-1.7976931348623157e308",
-    "1e309",
-    "1e999999999999",
-    "1e-999999999999",
-    "nan",
-    "-nan",
-    "NaN",
-    "inf",
-    "-inf",
-    "Infinity",
-    "0.1",
-    "1.",
-    ".5",
-    "+1",
-    "1e",
-    "0x10",
-    "1_000",
-    "1,5",
-];
+const NUMBERS: &str = "\
+    0 -0 -0.0 1 -1 2 127 128 255 256 -32768 32767 65535 65536 16777217 2147483647 2147483648 \
+    -2147483648 -2147483649 4294967295 4294967296 9223372036854775807 9223372036854775808 \
+    -9223372036854775808 18446744073709551615 18446744073709551616 1e-30 1e-38 1e-45 5e-324 \
+    1e18 1e19 1e30 3.4028235e38 -3.4028235e38 3.4028236e38 1e39 1e308 \
+    -1.7976931348623157e308 1e309 1e999999999999 1e-999999999999 nan -nan NaN inf -inf \
+    Infinity 0.1 1. .5 +1 1e 0x10 1_000 1,5";
 
 /// Words that mean something to one reader or another.
 const WORDS: &[&[u8]] = &[
@@ -277,7 +226,7 @@ impl Draw<'_> {
         let with = match self.below(8) {
             0 => Vec::new(),
             1 => [word, b" ", word].concat(),
-            2 => self.of(&WORDS.to_vec()).map(|word| word.to_vec())?,
+            2 => self.of(WORDS)?.to_vec(),
             3 => self.long(word, b""),
             4 => self.nested(word),
             5 => {
@@ -356,7 +305,7 @@ impl Draw<'_> {
             0..3 => self.below(8).to_string().into_bytes(),
             3 => [b"1".as_slice(), &b"0".repeat(1 + self.below(400))].concat(),
             4 => [b"0.".as_slice(), &b"0".repeat(self.below(400)), b"7"].concat(),
-            _ => self.of(NUMBERS).copied().unwrap_or("0").into(),
+            _ => NUMBERS.split(' ').choose(&mut self.random).unwrap_or("0").into(),
         }
     }
 
