@@ -97,23 +97,29 @@ impl Format {
     }
 
     /// The name of a mutant's file.
-    pub(crate) fn file(self) -> String {
+    pub fn file(self) -> String {
         format!("mutant.{}", self.ending())
     }
 
-    /// The command lines that read a file of that name, each as words. Of a record's, which take longer, the
-    /// number chooses two.
+    /// The name of the file that is read: the mutant, or the scene in `corpus/company` that refers to it.
+    pub fn main_file(self) -> String {
+        match self {
+            Self::Mtl => "uses.obj".to_owned(),
+            Self::Png | Self::Jpeg | Self::Exr => format!("{}.toml", self.ending()),
+            _ => self.file(),
+        }
+    }
+
+    /// The command lines that read a file, each as words. Of a record's, which take longer, the number chooses
+    /// two.
     pub(crate) fn commands(self, file: &str, number: u64) -> Vec<Vec<String>> {
-        let scene = format!("{}.toml", self.ending());
-        let query = "query --rays rays.csv --method exact --mesh";
         let render = "render --out picture.png --width 8 --height 8 --sampling grid:1 --threads 1";
-        let all = match self {
+        let heads = match self {
             Self::Ply | Self::Obj | Self::Stl | Self::Gltf | Self::Glb => {
-                vec![(query, file), (render, file)]
+                vec!["query --rays rays.csv --method exact --mesh", render]
             }
-            Self::Mtl => vec![(render, "uses.obj")],
-            Self::Toml => vec![(render, file)],
-            Self::Csv | Self::Rays => vec![("query --mesh tetra.obj --method exact --rays", file)],
+            Self::Mtl | Self::Toml | Self::Png | Self::Jpeg | Self::Exr => vec![render],
+            Self::Csv | Self::Rays => vec!["query --mesh tetra.obj --method exact --rays"],
             Self::Records => {
                 let read = match number / Self::ALL.len() as u64 % 4 {
                     0 => "rank",
@@ -121,13 +127,11 @@ impl Format {
                     2 => "cmp sound.jsonl",
                     _ => "cmp --json sound.jsonl",
                 };
-                vec![(read, file), ("report --json --output page", file)]
+                vec![read, "report --json --output page"]
             }
-            Self::Png | Self::Jpeg | Self::Exr => vec![(render, &*scene)],
         };
-        let words =
-            |(head, last): (&str, &str)| head.split(' ').chain([last]).map(String::from).collect();
-        all.into_iter().map(words).collect()
+        let words = |head: &str| head.split(' ').chain([file]).map(String::from).collect();
+        heads.into_iter().map(words).collect()
     }
 }
 

@@ -262,7 +262,7 @@ pub(crate) fn find(bytes: &[u8], word: &[u8]) -> Option<usize> {
 }
 
 /// Makes the checksums of a PNG right again, so that its damage is not all that a reader sees of it.
-pub(crate) fn seal(bytes: &mut [u8]) {
+pub fn seal(bytes: &mut [u8]) {
     let Some(start) = find(bytes, PNG) else { return };
     let mut layout = Layout::default();
     layout.png(bytes, start + PNG.len());

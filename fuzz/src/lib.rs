@@ -10,8 +10,9 @@ mod words;
 
 pub use campaign::{Campaign, Finding, Outcome, Tally, class_of};
 pub use format::{Format, corpus, files};
+pub use layout::seal;
 pub use mutate::Mutator;
-pub use run::{Bench, Fault, Judgement, Kind, MEMORY, TIME, Verdict, limit_memory};
+pub use run::{Bench, Fault, Judgement, Kind, MEMORY, TIME, Verdict, limit_memory, quick_folder};
 
 use std::path::{Path, PathBuf};
 

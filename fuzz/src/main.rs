@@ -35,7 +35,7 @@ struct Arguments {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
     /// Folder for what is found
-    #[arg(long, value_name = "FOLDER", default_value = "target/fuzz")]
+    #[arg(long, value_name = "FOLDER", default_value = "target/fuzz-findings")]
     save: PathBuf,
     /// Try one mutant again, write it to the folder and print what the program makes of it
     #[arg(long, value_name = "SEED:N", value_parser = name, conflicts_with_all = ["mutants", "formats"])]

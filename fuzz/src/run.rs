@@ -86,7 +86,8 @@ struct Runner {
 
 impl Runner {
     fn new(program: &Path) -> io::Result<Self> {
-        let (stdout, stderr) = (tempfile::tempfile_in(fast())?, tempfile::tempfile_in(fast())?);
+        let (stdout, stderr) =
+            (tempfile::tempfile_in(quick_folder())?, tempfile::tempfile_in(quick_folder())?);
         Ok(Self { program: program.to_owned(), stdout, stderr })
     }
 
@@ -117,7 +118,7 @@ impl Runner {
 }
 
 /// Where files are quick to write: memory, where the system shows it as a folder.
-fn fast() -> PathBuf {
+pub fn quick_folder() -> PathBuf {
     let memory = Path::new("/dev/shm");
     if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() }
 }
@@ -192,7 +193,7 @@ impl Bench {
     /// # Errors
     /// When the corpus cannot be read or the folder not be written.
     pub fn new(program: &Path) -> io::Result<Self> {
-        let folder = tempfile::Builder::new().prefix("trisect-fuzz-").tempdir_in(fast())?;
+        let folder = tempfile::Builder::new().prefix("trisect-fuzz-").tempdir_in(quick_folder())?;
         for (path, bytes) in files(&corpus().join("company"))? {
             fs::write(folder.path().join(path.file_name().unwrap_or_default()), bytes)?;
         }
@@ -209,16 +210,16 @@ impl Bench {
         let file = format.file();
         let place = self.folder.path().join(&file);
         fs::write(&place, bytes)?;
-        let verdict = self.tried(format, &file, number);
+        let verdict = self.tried(format, number);
         fs::remove_file(place)?;
         verdict
     }
 
-    fn tried(&mut self, format: Format, file: &str, number: u64) -> io::Result<Verdict> {
+    fn tried(&mut self, format: Format, number: u64) -> io::Result<Verdict> {
         let mut refused: Option<String> = None;
         let mut accepted = false;
-        for arguments in format.commands(file, number) {
-            let message = match self.judged(&arguments, file, TIME)? {
+        for arguments in format.commands(&format.main_file(), number) {
+            let message = match self.judged(&arguments, &format.file(), TIME)? {
                 Err(fault) => return Ok(Verdict::Faulty(fault)),
                 Ok(message) => message,
             };
