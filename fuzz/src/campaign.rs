@@ -12,7 +12,7 @@ use crate::mutate::Mutator;
 use crate::run::{Bench, Fault, Kind, Verdict};
 
 /// Runs that making a finding smaller may take.
-const REDUCTIONS: usize = 400;
+const REDUCTIONS: usize = 200;
 
 /// What is tried.
 #[derive(Clone, Debug)]
@@ -115,11 +115,11 @@ impl Campaign {
         Ok(Mutator::new(format, seeds.into_iter().map(|(_, bytes)| bytes).collect()))
     }
 
-    /// Tries all of them; tells of each that is done, from any thread.
+    /// Tries all of them; tells of each that is done, from any thread, and of a fault that is new.
     ///
     /// # Errors
     /// When the program cannot be started, or a folder not be read or written.
-    pub fn run(&self, done: &(impl Fn() + Sync)) -> io::Result<Outcome> {
+    pub fn run(&self, done: &(impl Fn(Option<&Finding>) + Sync)) -> io::Result<Outcome> {
         let mut mutators = BTreeMap::new();
         for &format in &self.formats {
             mutators.insert(format, Self::mutator(format)?);
@@ -140,11 +140,13 @@ impl Campaign {
                 let start = Instant::now();
                 let verdict = bench.verdict(format, &mutant, number)?;
                 tallies.entry(format).or_default().count(&verdict, start.elapsed());
-                if let Verdict::Faulty(fault) = verdict {
-                    let mut findings = findings.lock().map_err(|_| poisoned())?;
-                    keep(&mut findings, Finding { format, number, fault, count: 1 });
-                }
-                done();
+                let Verdict::Faulty(fault) = verdict else {
+                    done(None);
+                    continue;
+                };
+                let finding = Finding { format, number, fault, count: 1 };
+                let is_new = keep(&mut *findings.lock().map_err(|_| poisoned())?, finding.clone());
+                done(is_new.then_some(&finding));
             }
             Ok(tallies)
         };
@@ -208,18 +210,19 @@ fn poisoned() -> io::Error {
     io::Error::other("a thread of the fuzzer panicked")
 }
 
-fn keep(findings: &mut Findings, finding: Finding) {
+/// Adds a finding; says whether it is the first of its kind.
+fn keep(findings: &mut Findings, finding: Finding) -> bool {
     let key = (finding.format, finding.fault.kind, finding.fault.class());
-    match findings.get_mut(&key) {
-        None => drop(findings.insert(key, finding)),
-        Some(known) => {
-            let count = known.count + 1;
-            if finding.number < known.number {
-                *known = finding;
-            }
-            known.count = count;
-        }
+    let Some(known) = findings.get_mut(&key) else {
+        findings.insert(key, finding);
+        return true;
+    };
+    let count = known.count + 1;
+    if finding.number < known.number {
+        *known = finding;
     }
+    known.count = count;
+    false
 }
 
 impl Fault {

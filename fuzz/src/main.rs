@@ -93,7 +93,13 @@ fn run(arguments: &Arguments) -> Result<ExitCode> {
     let campaign = Campaign { program, seed, mutants, formats, jobs };
     let bar = ProgressBar::new(mutants);
     let start = Instant::now();
-    let outcome = campaign.run(&|| bar.inc(1))?;
+    let outcome = campaign.run(&|new| {
+        if let Some(Finding { format, number, fault, .. }) = new {
+            let (format, kind) = (format.name(), fault.kind.name());
+            bar.suspend(|| eprintln!("{format} {kind} by {seed}:{number}: {}", fault.what));
+        }
+        bar.inc(1);
+    })?;
     let seconds = start.elapsed().as_secs_f64();
     bar.finish_and_clear();
     print(&outcome);

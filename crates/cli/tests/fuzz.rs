@@ -74,7 +74,7 @@ fn mutants_of_every_format() {
         formats,
         jobs: std::thread::available_parallelism().map_or(1, usize::from),
     };
-    let outcome = campaign.run(&|| ()).expect("the program was just built");
+    let outcome = campaign.run(&|_| ()).expect("the program was just built");
     let found: Vec<String> = outcome
         .findings
         .iter()
