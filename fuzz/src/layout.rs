@@ -129,8 +129,11 @@ impl Layout {
         from: usize,
         less: usize,
     ) -> Option<Range<usize>> {
-        let length = usize::try_from(number.read(bytes, 0)).ok()?.checked_sub(less)?;
+        if number.range.end > bytes.len() {
+            return None;
+        }
         self.numbers.push(number.clone());
+        let length = usize::try_from(number.read(bytes, 0)).ok()?.checked_sub(less)?;
         let covers = from..from.checked_add(length)?;
         if covers.end > bytes.len() {
             return None;
@@ -301,6 +304,28 @@ mod tests {
                 let mut sealed = bytes.clone();
                 seal(&mut sealed);
                 assert_eq!(sealed, bytes, "{}", path.display());
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_lies_beyond_the_end_of_what_is_cut_off() {
+        for format in Format::ALL {
+            for (path, bytes) in files(&corpus().join(format.name())).expect("the corpus is there")
+            {
+                for length in 0..bytes.len().min(600) {
+                    let Layout { text, numbers, lengths, encoded } =
+                        Layout::of(format, &bytes[..length]);
+                    let ends = text.iter().chain(&encoded).map(|range| range.end);
+                    let ends = ends.chain(numbers.iter().map(|numbers| numbers.range.end));
+                    let ends = ends.chain(
+                        lengths
+                            .iter()
+                            .flat_map(|Length { number, covers }| [number.range.end, covers.end]),
+                    );
+                    let end = ends.max().unwrap_or_default();
+                    assert!(end <= length, "{}, {length} bytes: {end}", path.display());
+                }
             }
         }
     }
