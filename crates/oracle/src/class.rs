@@ -1,6 +1,7 @@
 //! What can be true of a ray and a triangle.
 
-/// How a ray meets a triangle. The triangle is closed, and so is the interval `[tmin, tmax]`.
+/// How a ray meets a triangle. The triangle is closed, and so is the interval `[tmin, tmax]`, whose ends are
+/// brought within half the largest number of the precision.
 ///
 /// The variants are tried in the order [`NonFinite`](Class::NonFinite),
 /// [`Degenerate`](Class::Degenerate), [`Coplanar`](Class::Coplanar), [`Miss`](Class::Miss),
@@ -19,7 +20,8 @@ pub enum Class {
     Coplanar,
     /// The triangle has no area: its corners are collinear or equal.
     Degenerate,
-    /// The line of the ray meets the closed triangle, but `t < tmin` or `t > tmax`.
+    /// The line of the ray meets the closed triangle, but `t < tmin` or `t > tmax`: so where `t` is more
+    /// than half the largest number, whatever `tmax` says.
     OutOfInterval,
     /// NaN anywhere, or an infinity in the origin, the direction or a corner. (`tmin` and `tmax`
     /// may be infinite.)

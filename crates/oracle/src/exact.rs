@@ -6,7 +6,7 @@ use core::ops::{Add, Mul, Sub};
 use dashu_base::{Abs, Sign, UnsignedAbs};
 use dashu_int::IBig;
 use dashu_ratio::{RBig, Relaxed};
-use trisect_core::{Float, Ray, Triangle, Vec3, decode};
+use trisect_core::{Float, Interval, Ray, Triangle, Vec3, decode};
 
 use crate::Condition;
 use crate::class::Class;
@@ -196,6 +196,7 @@ impl Volumes {
         t.cmp(&bound)
     }
 
+    /// The class within the interval of the contract.
     pub(crate) fn class<E: Float>(&self, ray: &Ray<E>) -> Class {
         if !self.has_area {
             return Class::Degenerate;
@@ -208,8 +209,9 @@ impl Volumes {
         if weights.iter().any(|x| x.sign() == Sign::Negative) {
             return Class::Miss;
         }
-        if self.compare(ray.tmin.to_f64()) == Ordering::Less
-            || self.compare(ray.tmax.to_f64()) == Ordering::Greater
+        let Interval { tmin, tmax } = Interval::new(ray.tmin, ray.tmax);
+        if self.compare(tmin.to_f64()) == Ordering::Less
+            || self.compare(tmax.to_f64()) == Ordering::Greater
         {
             return Class::OutOfInterval;
         }

@@ -31,7 +31,7 @@
 use core::cmp::Ordering;
 use core::ops::RangeInclusive;
 
-use trisect_core::{Float, Ray, Triangle, Vec3};
+use trisect_core::{Float, Interval, Ray, Triangle, Vec3};
 
 use crate::Condition;
 use crate::class::Class;
@@ -90,7 +90,16 @@ fn sign(x: f64, error: f64) -> Option<Ordering> {
     }
 }
 
-/// A ray widened to f64, once for many triangles.
+/// An end of an interval of the contract, as far as the bounds ask. Of f64 no `t` that they hold for is beyond
+/// 2¹⁰⁰³, so an end that was brought within half the largest number is as good as infinite: it compares
+/// without a product, which would leave [`RANGE`].
+#[inline(always)]
+fn far_end<E: Float>(tau: E) -> f64 {
+    let (tau, end) = (tau.to_f64(), E::largest_t().to_f64());
+    if E::UNIT_ROUNDOFF <= UNIT && tau.abs() >= end { f64::INFINITY.copysign(tau) } else { tau }
+}
+
+/// A ray widened to f64, once for many triangles; its interval is that of the contract.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FastRay {
     pub(crate) o: Vec3<f64>,
@@ -106,7 +115,8 @@ impl FastRay {
     pub(crate) fn new<E: Float>(ray: &Ray<E>) -> Self {
         let o = ray.o.map(E::to_f64);
         let d = ray.d.map(E::to_f64);
-        let (tmin, tmax) = (ray.tmin.to_f64(), ray.tmax.to_f64());
+        let Interval { tmin, tmax } = Interval::new(ray.tmin, ray.tmax);
+        let (tmin, tmax) = (far_end::<E>(tmin), far_end::<E>(tmax));
         let finite = |t: f64| if t.is_infinite() { 0.0 } else { t };
         let usable = !tmin.is_nan()
             && !tmax.is_nan()

@@ -72,7 +72,7 @@ pub struct Answer<E> {
     /// How the ray and the triangle meet.
     pub class: Class,
     /// The hit, each value the true one rounded once to the nearest of `E`, ties to even; `None`
-    /// when the class is no hit. A true `t` above the largest number of `E` is infinite here.
+    /// when the class is no hit. All three are finite.
     pub hit: Option<Hit<E>>,
 }
 
@@ -80,8 +80,9 @@ pub struct Answer<E> {
 ///
 /// Threads each take their own and [`merge`](Oracle::merge) them at the end.
 ///
-/// Every question asks about the closed triangle and the closed interval `[tmin, tmax]` of the
-/// numbers as they are given; nothing is rounded before the last step. See [`Class`] for what
+/// Every question asks about the closed triangle and the closed interval `[tmin, tmax]`, its ends
+/// brought within half the largest number of the precision ([`Interval::new`](trisect_core::Interval::new)), of the numbers as
+/// they are given; nothing is rounded before the last step. See [`Class`] for what
 /// degenerate and non-finite input gives; nothing here panics.
 #[derive(Clone, Debug)]
 pub struct Oracle {
@@ -218,7 +219,7 @@ impl Oracle {
     ) -> Option<(usize, Answer<E>)> {
         self.tests += triangles.len() as u64;
         let fast = FastRay::new(ray);
-        let mut limit = ray.tmax.to_f64();
+        let mut limit = fast.tmax;
         let mut best: Option<(usize, [f64; 2])> = None;
         for (index, triangle) in triangles.iter().enumerate() {
             if fast::rejects(&fast, triangle, limit, self.unit) {

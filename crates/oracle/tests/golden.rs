@@ -183,10 +183,46 @@ fn the_smallest_and_the_largest_numbers() {
         assert_eq!([truth.t, truth.beta, truth.gamma], [1.0, 1.0, 0.0]);
         assert!(truth.condition.max().is_finite() && truth.condition.max() >= 1.0);
     }
-    // A true t beyond f32 is a hit at infinity.
-    let ray = ray::<f32>([0.25, 0.25, -1e30], [0.0, 0.0, 1e-30], 0.0, f64::INFINITY);
-    let answer = Oracle::default().intersect(&ray, &unit());
-    assert_eq!(answer.hit.map(|hit| hit.t), Some(f32::INFINITY));
+}
+
+/// A hit has no `t` beyond half the largest number, whatever the interval says.
+#[test]
+fn the_interval_ends_at_half_the_largest_number() {
+    fn check<E: Float>() {
+        let end = E::largest_t().to_f64();
+        // 2 to the 127th or the 1023rd: just above the end.
+        let above = end / (1.0 - E::UNIT_ROUNDOFF);
+        // A power of two from which `t` is the distance times 2 to the 125th or the 1021st.
+        let speed = 4.0 / above;
+        let answer = |distance: f64, side: f64, tmin: f64, tmax: f64| {
+            let ray = ray::<E>([0.25, 0.25, -distance * side], [0.0, 0.0, speed], tmin, tmax);
+            let class = class(&ray, &unit());
+            let hit = Oracle::default().intersect(&ray, &unit()).hit;
+            (class, hit.map(|hit| hit.t.to_f64()))
+        };
+        let infinite = f64::INFINITY;
+        let beyond = (Class::OutOfInterval, None);
+        // The number below 4, and the one below that.
+        let (last, before) = (4.0 * (1.0 - E::UNIT_ROUNDOFF), 4.0 * (1.0 - 2.0 * E::UNIT_ROUNDOFF));
+        for (tmin, tmax) in [(-infinite, infinite), (-above, above), (-end, end)] {
+            for side in [1.0, -1.0] {
+                assert_eq!(answer(last, side, tmin, tmax), (Class::Interior, Some(end * side)));
+                let found = before / speed * side;
+                assert_eq!(answer(before, side, tmin, tmax), (Class::Interior, Some(found)));
+                assert_eq!(answer(4.0, side, tmin, tmax), beyond);
+                assert_eq!(answer(1e10, side, tmin, tmax), beyond);
+            }
+        }
+        assert_eq!(answer(4.0, 1.0, above, infinite), beyond);
+        assert_eq!(answer(4.0, -1.0, -infinite, -above), beyond);
+    }
+    check::<f32>();
+    check::<f64>();
+    // Directions that are subnormal, as files may have them: the kernels of the exact method say the same.
+    for along in [1e-40, 1e-45] {
+        let ray = ray::<f32>([0.25, 0.25, -1.0], [0.0, 0.0, along], 0.0, f64::INFINITY);
+        assert_eq!(class(&ray, &unit()), Class::OutOfInterval);
+    }
 }
 
 #[test]

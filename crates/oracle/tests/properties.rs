@@ -5,7 +5,7 @@ use core::cmp::Ordering;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use proptest::prelude::*;
-use trisect_core::{Float, Ray, Scalar, Triangle, Vec3};
+use trisect_core::{Float, Interval, Ray, Scalar, Triangle, Vec3};
 use trisect_oracle::{Class, Exact, Oracle, RBig, compare_t, exact_class, exact_rationals};
 
 /// Any finite f32, with small integers, subnormals and extremes all common.
@@ -105,10 +105,11 @@ fn naive_class<E: Float>(ray: &Ray<E>, triangle: &Triangle<E>) -> Class {
             [(0, 1), (1, 2), (2, 0)].into_iter().all(|(i, j)| &e1[i] * &e2[j] == &e1[j] * &e2[i]);
         return if flat { Class::Degenerate } else { Class::Coplanar };
     };
+    let Interval { tmin, tmax } = Interval::new(ray.tmin, ray.tmax);
     let weights = [&one - &beta - &gamma, beta, gamma];
     if weights.iter().any(|x| *x < zero) {
         Class::Miss
-    } else if t < rational(ray.tmin.to_f64()) || t > rational(ray.tmax.to_f64()) {
+    } else if t < rational(tmin.to_f64()) || t > rational(tmax.to_f64()) {
         Class::OutOfInterval
     } else {
         match weights.iter().filter(|x| **x == zero).count() {

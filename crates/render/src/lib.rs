@@ -3,6 +3,7 @@
 
 mod image;
 mod needs;
+mod offset;
 mod paths;
 mod random;
 mod render;

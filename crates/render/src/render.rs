@@ -328,7 +328,8 @@ fn differ(samples: &[Color]) -> bool {
 
 /// A camera and where its rays go through.
 pub(crate) struct Eye<'a> {
-    camera: &'a Camera,
+    /// In the stage's frame.
+    camera: Camera,
     settings: &'a Settings,
     half_height: f32,
     /// Half the picture's size in half heights, and half heights a pixel.
@@ -337,13 +338,13 @@ pub(crate) struct Eye<'a> {
 }
 
 impl<'a> Eye<'a> {
-    pub(crate) fn new(stage: &'a Stage, settings: &'a Settings) -> Self {
-        let camera = &stage.scene.cameras[settings.camera];
+    pub(crate) fn new(stage: &Stage, settings: &'a Settings) -> Self {
+        let camera = stage.frame.camera(&stage.scene.cameras[settings.camera]);
         let [width, height] = settings.size.map(|x| x as f32);
         Self {
-            camera,
             settings,
             half_height: camera.lens.half_height(),
+            camera,
             corner: Vec2::new(-width / height, 1.0),
             step: 2.0 / height,
         }
@@ -377,7 +378,7 @@ impl<'a> Eye<'a> {
         let middle = Vec2::splat(0.5);
         // On the stack: nothing that is written can change it, so that what is the same for a row is computed
         // once.
-        let camera = &Camera { lens, ..self.camera.clone() };
+        let camera = Camera { lens, ..self.camera.clone() };
         let eye = Eye { camera, ..*self };
         let mut rays = wave.primary(pixels.len());
         let mut start = pixels.start;

@@ -50,7 +50,7 @@ pub enum Mode {
 pub struct Occlusion {
     /// Rays from each point, at least 1.
     pub rays: u32,
-    /// What is farther away shuts nothing out; may be infinite.
+    /// What is farther away, in the world's units, shuts nothing out; may be infinite.
     pub distance: f32,
 }
 

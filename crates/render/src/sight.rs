@@ -16,13 +16,15 @@ pub struct Sight<'a> {
     pub number: usize,
     /// The tree.
     pub tree: &'a dyn Tree,
-    /// The ray in the space of the tree's triangles: where it meets one, its `t` is that of the world.
+    /// The ray in the space of the tree's triangles: where it meets one, its `t` is that of the ray that
+    /// was carried there.
     pub ray: Ray<f32>,
 }
 
 impl Stage {
     /// The ray through the middle of a pixel and of the lens, its direction of unit length. It ends at the
-    /// nearest sphere or plane.
+    /// nearest sphere or plane. It is in the stage's own units: times [`unit`](Stage::unit), its `t` is a
+    /// length of the world.
     ///
     /// # Panics
     /// When the scene has no such camera.

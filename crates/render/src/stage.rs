@@ -2,14 +2,18 @@
 //!
 //! Meshes that are seen once are carried to the world and share one tree; what is seen several times has
 //! a tree of its own, and rays are carried to it. What is clear is apart from what casts shadows.
+//!
+//! All of it is in the scene's own [`Frame`], and what has a tree of its own in that of its mesh: so numbers
+//! are about 1 whatever the scene's unit is and however far away it lies.
 
 use std::collections::BTreeMap;
 
-use glam::{Affine3A, Mat3A, Vec2, Vec3};
+use glam::{Affine3A, DVec3, Mat3A, Vec2, Vec3};
 use trisect_core::{Triangle, UnsuitableMesh};
-use trisect_scene::{Camera, Instance, Light, Material, Scene};
+use trisect_scene::{Camera, Frame, Instance, Light, Material, Plane, Scene, Sphere};
 use trisect_tracer::{Statistics, Tree};
 
+use crate::offset::{self, ROUNDOFF};
 use crate::surface::axes;
 
 /// A triangle's plane.
@@ -19,6 +23,24 @@ pub(crate) struct Facet {
     pub(crate) normal: Vec3,
     /// From the origin, along the normal.
     pub(crate) distance: f32,
+    /// What the triangle takes of the [offset](crate::offset) of rays that leave it.
+    pub(crate) offset: f32,
+}
+
+impl Facet {
+    /// Of f64: the normal of a needle loses most of its digits otherwise.
+    #[allow(clippy::cast_possible_truncation, reason = "rounds once")]
+    fn of(triangle: &Triangle<f32>) -> Self {
+        let [a, b, c] = corners(triangle);
+        let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
+        let distance = normal.as_dvec3().dot(a) as f32;
+        Self { normal, distance, offset: offset::of_triangle(triangle) }
+    }
+}
+
+/// A triangle's corners in f64, in which no product of them is out of range.
+fn corners(triangle: &Triangle<f32>) -> [DVec3; 3] {
+    triangle.corners().map(|corner| Vec3::from(corner).as_dvec3())
 }
 
 /// The weights of corners b and c at a point, by their gradients: so a method need not give them.
@@ -31,11 +53,12 @@ pub(crate) struct Weights {
 
 impl Weights {
     fn of(triangle: &Triangle<f32>) -> Self {
-        let [a, b, c] = triangle.corners().map(Vec3::from);
+        let [a, b, c] = corners(triangle);
         let (u, v) = (b - a, c - a);
         let normal = u.cross(v);
         let scale = 1.0 / normal.length_squared();
-        Self { a, beta: v.cross(normal) * scale, gamma: normal.cross(u) * scale }
+        let gradient = |of: DVec3| (of * scale).as_vec3();
+        Self { a: a.as_vec3(), beta: gradient(v.cross(normal)), gamma: gradient(normal.cross(u)) }
     }
 
     #[inline]
@@ -99,14 +122,29 @@ pub(crate) struct Carried {
     pub(crate) bounds: [Vec3; 2],
 }
 
+impl Carried {
+    fn new(to_world: Affine3A, group: &Gathered) -> Self {
+        // Of f64, so that it is rounded once.
+        let to_object = to_world.as_daffine3().inverse().as_affine3a();
+        let normals = to_object.matrix3.transpose();
+        Self { to_object, to_world, normals, bounds: group.bounds(&to_world) }
+    }
+}
+
 /// A scene made ready for a method.
 pub struct Stage {
+    /// As it was given, in the world.
     pub(crate) scene: Scene,
+    /// What all below is in.
+    pub(crate) frame: Frame,
+    pub(crate) spheres: Vec<Sphere>,
+    pub(crate) planes: Vec<Plane>,
+    lights: Vec<Light>,
     pub(crate) groups: Vec<Group>,
     pub(crate) placed: Vec<Placed>,
     /// Whether each material answers lights.
     pub(crate) lit: Vec<bool>,
-    /// Of each plane's texture.
+    /// Of each plane's texture, in the world's units.
     pub(crate) plane_axes: Vec<[Vec3; 2]>,
     /// Whether each sphere, and each plane, casts shadows.
     pub(crate) casting: [Vec<bool>; 2],
@@ -133,7 +171,8 @@ struct Gathered {
 
 impl Stage {
     /// Puts the triangles of a scene into trees, with what builds a tree over triangles; it is called for
-    /// one tree after another, in the order of their numbers.
+    /// one tree after another, in the order of their numbers. It gets triangles in the stage's units, see
+    /// [`unit`](Stage::unit), or in those of their mesh.
     ///
     /// # Errors
     /// When the method cannot take the triangles.
@@ -149,31 +188,28 @@ impl Stage {
             let Instance { mesh, material, smooth, .. } = *instance;
             looks.entry(Look { mesh, material, smooth }).or_default().push(instance);
         }
+        let frame = Frame::of(&scene);
         let (mut groups, mut placed) = (Vec::new(), Vec::new());
         // Apart: what casts shadows, and what is clear.
         for casts_shadow in [true, false] {
             let is_wanted = |material: &Material| material.is_clear() != casts_shadow;
             let mut world = Gathered::default();
             for (look, instances) in &looks {
+                let of_mesh = Frame::of_triangles(&scene.meshes[look.mesh].triangles);
                 if let [instance] = instances[..] {
-                    world.gather(&scene, *look, &instance.to_world, is_wanted);
+                    let to_stage = frame.transform(&instance.to_world, of_mesh);
+                    world.gather(&scene, *look, of_mesh, &to_stage, is_wanted);
                     continue;
                 }
                 let mut own = Gathered::default();
-                own.gather(&scene, *look, &Affine3A::IDENTITY, is_wanted);
+                own.gather(&scene, *look, of_mesh, &Affine3A::IDENTITY, is_wanted);
                 if own.triangles.is_empty() {
                     continue;
                 }
                 for instance in instances {
-                    let to_object = instance.to_world.inverse();
-                    let carried = Carried {
-                        to_object,
-                        to_world: instance.to_world,
-                        normals: to_object.matrix3.transpose(),
-                        bounds: own.bounds(&instance.to_world),
-                    };
-                    let group = groups.len();
-                    placed.push(Placed { group, carried: Some(carried), casts_shadow });
+                    let to_stage = frame.transform(&instance.to_world, of_mesh);
+                    let carried = Some(Carried::new(to_stage, &own));
+                    placed.push(Placed { group: groups.len(), carried, casts_shadow });
                 }
                 groups.push(own.finish(&build)?);
             }
@@ -189,16 +225,25 @@ impl Stage {
             scene.spheres.iter().map(|sphere| casts(sphere.material)).collect(),
             scene.planes.iter().map(|plane| casts(plane.material)).collect(),
         ];
-        let plane_axes = scene.planes.iter().map(axes).collect();
-        Ok(Self { scene, groups, placed, lit, plane_axes, casting })
+        let plane_axes =
+            scene.planes.iter().map(|plane| axes(plane).map(|axis| axis * frame.unit())).collect();
+        let spheres = scene.spheres.iter().map(|sphere| frame.sphere(sphere)).collect();
+        let planes = scene.planes.iter().map(|plane| frame.plane(plane)).collect();
+        let lights = scene.lights.iter().map(|light| frame.light(light)).collect();
+        Ok(Self { scene, frame, spheres, planes, lights, groups, placed, lit, plane_axes, casting })
     }
 
-    /// The scene.
+    /// The world's length of 1 in the stage: of a `t` along the stage's [`primary`](Stage::primary) rays.
+    pub fn unit(&self) -> f32 {
+        self.frame.unit()
+    }
+
+    /// The scene, as it was given.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// One of the scene's cameras, to be moved.
+    /// One of the scene's cameras, to be moved; in the world.
     ///
     /// # Panics
     /// When there is no such camera.
@@ -208,7 +253,7 @@ impl Stage {
 
     /// The first of the scene's lights, so many at most.
     pub(crate) fn lights(&self, most: usize) -> &[Light] {
-        &self.scene.lights[..most.min(self.scene.lights.len())]
+        &self.lights[..most.min(self.lights.len())]
     }
 
     /// Facts about each tree.
@@ -223,32 +268,33 @@ impl Stage {
 }
 
 impl Gathered {
-    /// Adds those triangles of a mesh whose material is wanted.
+    /// Adds those triangles of a mesh whose material is wanted, from the frame of the mesh to another.
     fn gather(
         &mut self,
         scene: &Scene,
         look: Look,
-        to_world: &Affine3A,
+        of_mesh: Frame,
+        to_other: &Affine3A,
         is_wanted: impl Fn(&Material) -> bool,
     ) {
         let mesh = &scene.meshes[look.mesh];
-        let normals = to_world.matrix3.inverse().transpose();
-        let mirrored = to_world.matrix3.determinant() < 0.0;
-        let is_same = *to_world == Affine3A::IDENTITY;
+        // Of f64: the products of three of its numbers may be out of range.
+        let matrix = to_other.as_daffine3().matrix3;
+        let (normals, mirrored) = (matrix.inverse().transpose(), matrix.determinant() < 0.0);
         for (number, triangle) in mesh.triangles.iter().enumerate() {
             let material = look.material.unwrap_or_else(|| mesh.materials[number]);
             if !is_wanted(&scene.materials[material]) {
                 continue;
             }
-            let mut corners = triangle.corners().map(Vec3::from);
-            if !is_same {
-                corners = corners.map(|corner| to_world.transform_point3(corner));
-            }
-            let own = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+            let mut corners = triangle
+                .corners()
+                .map(|corner| to_other.transform_point3(of_mesh.point(corner.into())));
+            let [a, b, c] = corners;
+            let own = Facet::of(&Triangle::new(a, b, c)).normal;
             let mut at_corners = [if mirrored { -own } else { own }; 3];
             if let Some(smooth) = mesh.normals.get(number).filter(|_| look.smooth) {
-                at_corners =
-                    smooth.map(|n| Vec3::from(normals * glam::Vec3A::from(n)).normalize_or(own));
+                at_corners = smooth
+                    .map(|n| (normals * n.as_dvec3()).try_normalize().map_or(own, DVec3::as_vec3));
                 self.smooth = true;
             }
             let mut coordinates = mesh.coordinates.get(number).copied().unwrap_or_default();
@@ -267,12 +313,15 @@ impl Gathered {
         }
     }
 
-    /// The box around the triangles once they are in the world.
+    /// The box around the triangles once they are in the world, wherever rounding puts them there and back.
     fn bounds(&self, to_world: &Affine3A) -> [Vec3; 2] {
         let corners = self.triangles.iter().flat_map(|triangle| triangle.corners());
-        let corners = corners.map(|corner| to_world.transform_point3(Vec3::from(corner)));
         let empty = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        corners.fold(empty, |[low, high], p| [low.min(p), high.max(p)])
+        corners.map(Vec3::from).fold(empty, |[low, high], corner| {
+            let p = to_world.transform_point3(corner);
+            let slack = offset::reach(to_world, corner) * (16.0 * ROUNDOFF);
+            [low.min(p - slack), high.max(p + slack)]
+        })
     }
 
     fn finish(
@@ -280,14 +329,10 @@ impl Gathered {
         build: &impl Fn(&[Triangle<f32>]) -> Result<Box<dyn Tree>, UnsuitableMesh>,
     ) -> Result<Group, UnsuitableMesh> {
         let tree = build(&self.triangles)?;
-        let facet = |triangle: &Triangle<f32>| {
-            let normal = Vec3::from(triangle.normal()).normalize_or_zero();
-            Facet { normal, distance: normal.dot(triangle.a.into()) }
-        };
         let mut group = Group {
             tree,
             materials: self.materials,
-            facets: self.triangles.iter().map(facet).collect(),
+            facets: self.triangles.iter().map(Facet::of).collect(),
             weights: Vec::new(),
             normals: Vec::new(),
             coordinates: Vec::new(),

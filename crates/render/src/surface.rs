@@ -8,6 +8,7 @@ use trisect_scene::{Color, Material, Plane, Sphere};
 use trisect_tracer::TriangleHit;
 
 use crate::needs::Needs;
+use crate::offset;
 use crate::stage::Stage;
 
 /// What a ray meets first.
@@ -39,7 +40,9 @@ impl Target {
 
 /// What shading asks of a point.
 pub(crate) struct Surface<'a> {
-    pub(crate) position: Vec3,
+    position: Vec3,
+    /// How far off the surface rays [start](Surface::start).
+    offset: f32,
     /// Of unit length, on the side that the ray comes from; interpolated where the surface is smooth.
     pub(crate) normal: Vec3,
     /// The same of the surface as it is.
@@ -60,23 +63,25 @@ impl Stage {
         let direction = Vec3::from(ray.d);
         let mut position = Vec3::from(ray.o) + direction * ray.tmax;
         let number = target.number as usize;
-        let (material, front, mut normal);
+        let (material, front, mut normal, offset);
         let mut inside = None;
         match target.what {
             // Onto the surface in each case, as far as rounding allows: the way from the camera may be long.
             Target::SPHERE if N::SHAPES => {
-                let sphere = &self.scene.spheres[number];
+                let sphere = &self.spheres[number];
                 material = sphere.material;
                 front = (position - sphere.center).normalize();
                 position = sphere.center + front * sphere.radius;
                 normal = front;
+                offset = offset::of_point(front, position.abs()) + offset::of_radius(sphere.radius);
             }
             Target::PLANE if N::SHAPES => {
-                let plane = &self.scene.planes[number];
+                let plane = &self.planes[number];
                 material = plane.material;
                 front = plane.normal;
                 position -= front * (position - plane.point).dot(front);
                 normal = front;
+                offset = offset::of_point(front, position.abs() + plane.point.abs());
             }
             what => {
                 let placed = &self.placed[what as usize];
@@ -99,11 +104,19 @@ impl Stage {
                     }
                 }
                 position = own;
-                if let Some(carried) = carried {
-                    position = carried.to_world.transform_point3(own);
-                    of_facet = (carried.normals * glam::Vec3A::from(of_facet)).into();
-                    of_facet = of_facet.normalize_or_zero();
-                    normal = (carried.normals * glam::Vec3A::from(normal)).into();
+                match carried {
+                    None => offset = facet.offset + offset::of_point(of_facet, own.abs()),
+                    Some(carried) => {
+                        position = carried.to_world.transform_point3(own);
+                        let back = offset::reach(&carried.to_object, position);
+                        let in_object = facet.offset + offset::of_point(of_facet, own.abs() + back);
+                        of_facet = (carried.normals * glam::Vec3A::from(of_facet)).into();
+                        let longer = of_facet.length();
+                        of_facet = of_facet.normalize_or_zero();
+                        normal = (carried.normals * glam::Vec3A::from(normal)).into();
+                        let there = offset::reach(&carried.to_world, own);
+                        offset = in_object / longer + offset::of_point(of_facet, there);
+                    }
                 }
                 normal = normal.normalize_or(of_facet);
                 front = of_facet;
@@ -115,7 +128,7 @@ impl Stage {
             let at = match (target.what, inside) {
                 (Target::SPHERE, _) => around(front),
                 (Target::PLANE, _) => {
-                    let from = position - self.scene.planes[number].point;
+                    let from = position - self.planes[number].point;
                     let [right, down] = self.plane_axes[number];
                     Vec2::new(from.dot(right), from.dot(down))
                 }
@@ -134,6 +147,7 @@ impl Stage {
         }
         Surface {
             position,
+            offset,
             normal,
             true_normal,
             from_front,
@@ -148,30 +162,8 @@ impl Surface<'_> {
     /// Where rays start that leave on the side that the ray came from (`1.0`), or the other (`-1.0`).
     #[inline]
     pub(crate) fn start(&self, side: f32) -> Vec3 {
-        off_surface(self.position, self.true_normal * side)
+        self.position + self.true_normal * (self.offset * side)
     }
-}
-
-/// A point that is so far off the surface, along its normal, that rays from there do not meet it again.
-///
-/// Wächter, Binder: A Fast and Robust Method for Avoiding Self-Intersection. Ray Tracing Gems, chapter 6,
-/// 2019: 256 units in the last place of each coordinate, or 2⁻¹⁶ near 0.
-#[inline]
-pub(crate) fn off_surface(point: Vec3, normal: Vec3) -> Vec3 {
-    const NEAR: f32 = 1.0 / 32.0;
-    const STEP: f32 = 1.0 / 65_536.0;
-    const UNITS: f32 = 256.0;
-    let moved = |x: f32, n: f32| {
-        #[allow(clippy::cast_possible_truncation, reason = "at most 256")]
-        let units = (UNITS * n) as i32;
-        let units = if x < 0.0 { -units } else { units };
-        if x.abs() < NEAR {
-            x + STEP * n
-        } else {
-            f32::from_bits(x.to_bits().wrapping_add_signed(units))
-        }
-    };
-    Vec3::new(moved(point.x, normal.x), moved(point.y, normal.y), moved(point.z, normal.z))
 }
 
 /// Where the line of a ray of unit direction enters and leaves a sphere.
@@ -302,18 +294,5 @@ mod tests {
         assert_eq!([2.5, 3.5, 7.5].map(|tmax| count(Vec3::ZERO, tmax)), [0, 1, 2]);
         assert_eq!(count(sphere.center, f32::INFINITY), 1);
         assert_eq!(count(Vec3::new(2.1, 0.0, 0.0), f32::INFINITY), 0);
-    }
-
-    #[test]
-    fn points_move_off_the_surface_at_every_size() {
-        for size in [0.0, 1e-20, 1e-3, 1.0, 1e6, 1e20] {
-            for normal in [Vec3::X, Vec3::NEG_Y, Vec3::new(0.6, 0.0, -0.8)] {
-                for point in [Vec3::splat(size), Vec3::new(size, -size, size)] {
-                    let moved = off_surface(point, normal) - point;
-                    assert!(moved.dot(normal) > 0.0, "{point} {normal}");
-                    assert!(moved.length() <= 1e-4 * size.max(1.0), "{point} {normal}");
-                }
-            }
-        }
     }
 }

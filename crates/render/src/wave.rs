@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::Vec3;
 use trisect_core::{Culling, Ray};
 use trisect_scene::{Color, luminance};
-use trisect_tracer::{Tracing, TriangleHit};
+use trisect_tracer::{Tracing, TriangleHit, meets_box};
 
 use crate::needs::{Needs, Part, Parts};
-use crate::settings::{Mode, Settings};
+use crate::settings::{Mode, Occlusion, Settings};
 use crate::stage::{Carried, Stage};
 use crate::surface::{Target, crossings, meet_plane, meet_sphere};
 
@@ -131,7 +131,10 @@ impl Wave {
         }
         self.counts.primary += self.rays.len() as u64;
         let occlusion = match settings.mode {
-            Mode::Whitted { occlusion } => occlusion,
+            Mode::Whitted { occlusion } => occlusion.map(|occlusion| Occlusion {
+                distance: stage.frame.length(occlusion.distance),
+                ..occlusion
+            }),
             Mode::Paths => None,
         };
         for depth in 0.. {
@@ -354,7 +357,7 @@ fn up_to(ray: &Ray<f32>, found: &TriangleHit) -> Ray<f32> {
 /// What is behind a hit: so far that rounding does not find the same surface again, or its neighbour over
 /// the edge.
 fn behind(t: f32) -> f32 {
-    t * (1.0 + 4.0 * f32::EPSILON) + f32::MIN_POSITIVE
+    (t * (1.0 + 4.0 * f32::EPSILON)).next_up()
 }
 
 /// The nearest sphere or plane; the ray's interval ends there.
@@ -362,14 +365,14 @@ fn behind(t: f32) -> f32 {
 pub(crate) fn nearest_simple(stage: &Stage, ray: &mut Ray<f32>) -> Target {
     let (o, d) = (Vec3::from(ray.o), Vec3::from(ray.d));
     let mut target = Target::NONE;
-    for (number, sphere) in (0_u32..).zip(&stage.scene.spheres) {
+    for (number, sphere) in (0_u32..).zip(&stage.spheres) {
         let t = meet_sphere(sphere, o, d, ray.tmax);
         if t < ray.tmax {
             ray.tmax = t;
             target = Target { what: Target::SPHERE, number };
         }
     }
-    for (number, plane) in (0_u32..).zip(&stage.scene.planes) {
+    for (number, plane) in (0_u32..).zip(&stage.planes) {
         let t = meet_plane(plane, o, d, ray.tmax);
         if t < ray.tmax {
             ray.tmax = t;
@@ -384,8 +387,8 @@ pub(crate) fn nearest_simple(stage: &Stage, ray: &mut Ray<f32>) -> Target {
 fn is_blocked_simply(stage: &Stage, ray: &Ray<f32>) -> bool {
     let (o, d) = (Vec3::from(ray.o), Vec3::from(ray.d));
     let [spheres, planes] = &stage.casting;
-    let mut spheres = stage.scene.spheres.iter().zip(spheres);
-    let mut planes = stage.scene.planes.iter().zip(planes);
+    let mut spheres = stage.spheres.iter().zip(spheres);
+    let mut planes = stage.planes.iter().zip(planes);
     spheres.any(|(sphere, casts)| *casts && meet_sphere(sphere, o, d, ray.tmax) < ray.tmax)
         || planes.any(|(plane, casts)| *casts && meet_plane(plane, o, d, ray.tmax) < ray.tmax)
 }
@@ -396,12 +399,12 @@ fn passed_simply(stage: &Stage, ray: &Ray<f32>) -> Color {
     let [spheres, planes] = &stage.casting;
     let transmission = |material: usize| stage.scene.materials[material].transmission;
     let mut left = Vec3::ONE;
-    for (sphere, _) in stage.scene.spheres.iter().zip(spheres).filter(|(_, casts)| !**casts) {
+    for (sphere, _) in stage.spheres.iter().zip(spheres).filter(|(_, casts)| !**casts) {
         for _ in 0..crossings(sphere, o, d, ray.tmax) {
             left *= transmission(sphere.material);
         }
     }
-    for (plane, _) in stage.scene.planes.iter().zip(planes).filter(|(_, casts)| !**casts) {
+    for (plane, _) in stage.planes.iter().zip(planes).filter(|(_, casts)| !**casts) {
         if meet_plane(plane, o, d, ray.tmax) < ray.tmax {
             left *= transmission(plane.material);
         }
@@ -424,28 +427,12 @@ fn carry(place: &Carried, rays: &[Ray<f32>], out: &mut Vec<Ray<f32>>, which: &mu
 /// A ray in a group's space, if it meets its box: distances stay as they are.
 #[inline]
 pub(crate) fn carried(place: &Carried, ray: &Ray<f32>) -> Option<Ray<f32>> {
-    let (o, d) = (Vec3::from(ray.o), Vec3::from(ray.d));
-    meets_box(place.bounds, o, d, ray.tmax).then(|| Ray {
-        o: place.to_object.transform_point3(o).into(),
-        d: place.to_object.transform_vector3(d).into(),
-        tmin: ray.tmin,
-        tmax: ray.tmax,
+    let [low, high] = place.bounds;
+    meets_box(ray, low.into(), high.into()).then(|| Ray {
+        o: place.to_object.transform_point3(ray.o.into()).into(),
+        d: place.to_object.transform_vector3(ray.d.into()).into(),
+        ..*ray
     })
-}
-
-/// Whether a ray may meet a box; never wrong where it says no. Widened as the tracer's own tests are.
-fn meets_box([low, high]: [Vec3; 2], o: Vec3, d: Vec3, tmax: f32) -> bool {
-    let inverse = d.recip();
-    let (a, b) = ((low - o) * inverse, (high - o) * inverse);
-    // NaN, of a ray in a side's plane, leaves the interval as it is.
-    let mut from = 0.0_f32;
-    let mut to = tmax;
-    for axis in 0..3 {
-        let (near, far) = (a[axis].min(b[axis]), a[axis].max(b[axis]));
-        from = from.max(near * (1.0 - near.signum() * 8.0 * f32::EPSILON));
-        to = to.min(far * (1.0 + far.signum() * 8.0 * f32::EPSILON));
-    }
-    from <= to
 }
 
 /// The largest part of a colour.

@@ -10,6 +10,7 @@ mod mesh;
 mod model;
 mod mtl;
 mod obj;
+mod scale;
 mod texture;
 mod toml_file;
 
@@ -19,4 +20,5 @@ pub use glam::{Affine3A, Vec2, Vec3};
 pub use load::SHIPPED;
 pub use mesh::Mesh;
 pub use model::{Color, Instance, Light, Material, Plane, Scene, Sphere, luminance};
+pub use scale::Frame;
 pub use texture::{Pixels, Texture};

@@ -8,6 +8,11 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
+    /// The largest coordinate, in magnitude; infinite for the empty box.
+    pub(crate) fn largest(&self) -> f32 {
+        self.min.iter().chain(&self.max).fold(0.0, |largest: f32, x| largest.max(x.abs()))
+    }
+
     /// Half the area of the surface; zero for the empty box, infinite where it overflows.
     #[inline]
     pub(crate) fn half_area(&self) -> f32 {

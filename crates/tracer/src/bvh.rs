@@ -52,6 +52,15 @@ impl Node {
         self.children[lane] = child;
     }
 
+    /// Moves the sides of all boxes outwards.
+    pub(crate) fn widen(&mut self, margin: f32) {
+        for lane in 0..WIDTH {
+            let Bounds { min, max } = self.bounds_of(lane);
+            let bounds = Bounds { min: min.map(|x| x - margin), max: max.map(|x| x + margin) };
+            self.set(lane, &bounds, self.children[lane]);
+        }
+    }
+
     /// Has it fetched.
     #[inline(always)]
     pub(crate) fn prefetch(&self) {

@@ -23,9 +23,10 @@ pub enum Tracing {
     /// packets. For batches of thousands; best where rays are alike, as those of a camera, in rows of a
     /// picture or in tiles of it. Rays that have little in common go singly after all.
     Packets,
-    /// The same answers on every processor, those of testing every triangle: plain arithmetic, and
-    /// tests of boxes that allow for their rounding. They do not allow for a method whose `t` is off by
-    /// more than that, as Wald's was at ten thousand sizes from the origin.
+    /// The same answers on every processor: plain arithmetic, and tests of boxes that allow for their own
+    /// rounding, so that no true hit is lost. Those of a method that claims to be exact are the answers of
+    /// testing every triangle, to the bit. What another method accepts by its own rounding or tolerance
+    /// may lie beside every box that allows for less, and be lost.
     Plain,
 }
 
@@ -193,7 +194,7 @@ impl<M: Method> Bvh<M> {
         }
     }
 
-    /// Traces as testing every triangle does. Whoever asks whether there is a hit gets the nearest.
+    /// Traces in plain arithmetic. Whoever asks whether there is a hit gets the nearest.
     pub(crate) fn plainly<O: OnLanes, T: Found>(
         &self,
         culling: Culling,

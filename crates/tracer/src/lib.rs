@@ -29,4 +29,5 @@ pub use dispatch::{Tracing, Tree};
 pub use hit::TriangleHit;
 pub use lanes::fast_lanes;
 pub use scalar::{EveryTriangle, ScalarBvh};
+pub use slabs::meets_box;
 pub use walk::Counted;

@@ -6,7 +6,7 @@
 //! Where they are `ROBUST` they never leave out a box that a ray meets within its interval: proved in
 //! `docs/derivations/exact.md`.
 
-use trisect_core::{Lanes, Ray, Vec3};
+use trisect_core::{Interval, Lanes, Ray, Vec3};
 
 /// A coordinate of the direction that is smaller than this share of the largest counts as that share
 /// where tests of boxes need not be exact: so the distances to planes stay finite.
@@ -103,6 +103,16 @@ impl<L: Lanes<Elem = f32>> Slabs<L> {
         let far = Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
         within::<L, ROBUST>(near, far, interval)
     }
+}
+
+/// Whether a ray may meet the points between two corners within its interval, as the contract has it; never
+/// wrong where it says no. A ray in a side of the box meets it.
+#[inline]
+pub fn meets_box(ray: &Ray<f32>, low: Vec3<f32>, high: Vec3<f32>) -> bool {
+    let Interval { tmin, tmax } = Interval::of(ray);
+    let slabs = Slabs::new::<true>(ray);
+    let (enters, leaves) = slabs.cross_either_way::<true>(low, high, (tmin, tmax));
+    enters <= leaves && tmin <= tmax
 }
 
 /// The inverse of a coordinate of the direction: plus infinity for either zero. NaN, which says nothing, where

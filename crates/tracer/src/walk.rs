@@ -72,7 +72,9 @@ fn walk(
 impl<M: Method> Bvh<M> {
     /// As [`Tree::count`](crate::Tree::count).
     pub(crate) fn counted(&self, ray: &Ray<f32>) -> Counted {
-        let (mut best, mut rest, mut triangles) = (NO_HIT, *ray, 0);
+        // The interval of the contract, as wherever rays are traced: a leaf takes it as it is.
+        let Interval { tmin, tmax } = Interval::of(ray);
+        let (mut best, mut rest, mut triangles) = (NO_HIT, Ray { tmin, tmax, ..*ray }, 0);
         let nodes = walk(&self.nodes, self.depth, ray, &mut |blocks| {
             for block in &self.blocks[blocks.clone()] {
                 triangles += distinct(&block.triangles).len();

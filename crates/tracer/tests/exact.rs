@@ -4,7 +4,7 @@
 mod common;
 
 use common::tree_by;
-use trisect_core::{Culling, Float, Interval, Ray, Triangle, Vec3};
+use trisect_core::{Culling, Float, Ray, Triangle, Vec3};
 use trisect_exact::{Exact, ExactInTrees};
 use trisect_oracle::Oracle;
 use trisect_tracer::{Builder, EveryTriangle, ScalarBvh, Tracing, Tree, TriangleHit};
@@ -18,14 +18,12 @@ fn answer(triangle: u32, [t, beta, gamma]: [f32; 3]) -> Answer {
     (triangle, [t, beta, gamma].map(|x| (x + 0.0).to_bits()))
 }
 
-/// What the oracle says of each ray, within the interval of the contract.
+/// What the oracle says of each ray.
 fn truth(triangles: &[Triangle<f32>], rays: &[Ray<f32>]) -> Vec<Option<Answer>> {
     let mut oracle = Oracle::default();
     rays.iter()
         .map(|ray| {
-            let Interval { tmin, tmax } = Interval::of(ray);
-            let ray = Ray { tmin, tmax, ..*ray };
-            let (place, found) = oracle.closest(&ray, triangles)?;
+            let (place, found) = oracle.closest(ray, triangles)?;
             let hit = found.hit.expect("it is a hit");
             let number = u32::try_from(place).expect("triangles are few");
             Some(answer(number, [hit.t, hit.beta, hit.gamma]))

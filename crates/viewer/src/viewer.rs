@@ -292,10 +292,11 @@ impl Viewer {
         let settings = Settings { camera: self.camera, ..Settings::new([1, 1]) };
         let ray = self.stage.primary(&settings, [0, 0]);
         let found = self.stage.sights(ray).filter_map(|sight| sight.tree.count(&sight.ray).found);
-        let nearest = found.map(|found| found.hit.t).fold(ray.tmax, f32::min);
+        let nearest = found.map(|found| found.hit.t).fold(ray.tmax, f32::min) * self.stage.unit();
         // Where there is nothing, as far as the scene is.
         let scene = self.stage.scene();
-        let far = || scene.bounds().map(|[low, high]| ((low + high) * 0.5).distance(ray.o.into()));
+        let eye = scene.cameras[self.camera].eye;
+        let far = || scene.bounds().map(|[low, high]| ((low + high) * 0.5).distance(eye));
         let is_distance = |t: &f32| t.is_finite() && *t > 0.0;
         let distance = Some(nearest).filter(is_distance).or_else(far).filter(is_distance);
         self.orbit.distance = distance.unwrap_or(1.0);

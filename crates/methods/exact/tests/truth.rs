@@ -34,11 +34,8 @@ impl<E: Precision> Scene<E> {
         let mut truth = Vec::new();
         let mut oracle = Oracle::default();
         for ray in &rays {
-            // The interval of the contract: no `t` beyond half the largest number.
-            let Interval { tmin, tmax } = Interval::new(ray.tmin, ray.tmax);
-            let ray = Ray { tmin, tmax, ..*ray };
             for triangle in &triangles {
-                truth.push(oracle.intersect(&ray, triangle).hit.map(|hit| bits(&hit)));
+                truth.push(oracle.intersect(ray, triangle).hit.map(|hit| bits(&hit)));
             }
         }
         Self { rays, triangles, truth }

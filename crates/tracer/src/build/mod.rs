@@ -160,7 +160,24 @@ impl<M: Method> Bvh<M> {
             // Boxes were rounded when they were scaled.
             bvh.bounds = fit_boxes(&mut bvh.nodes, triangles, &members);
         }
+        bvh.widen_boxes();
         Ok(bvh)
+    }
+
+    /// Moves the sides of all boxes outwards by eight units of roundoff of the tree's largest coordinate, for
+    /// a method whose tests of boxes do not allow for their own rounding. They compute `v·r − o·r` for a side
+    /// at `v`, and `r` is as large as 10¹⁸ along an axis that the ray runs across: there the rounding of
+    /// `o·r` alone would decide about a ray that lies in the side. A point of the side is off by
+    /// `u·|o| + 2u·|v − o|` at most, so no box loses a ray whose origin has no larger coordinates than the tree.
+    fn widen_boxes(&mut self) {
+        if const { M::INFO.claims.watertight } {
+            return;
+        }
+        let margin = self.bounds.largest() * (4.0 * f32::EPSILON);
+        // Not where there are no triangles.
+        if margin.is_finite() {
+            self.nodes.iter_mut().for_each(|node| node.widen(margin));
+        }
     }
 }
 

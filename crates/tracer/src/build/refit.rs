@@ -58,6 +58,7 @@ impl<M: Method> Bvh<M> {
         let members = self.members(kinds.kinds());
         (self.blocks, self.groups) = blocks::<M>(triangles, &members);
         self.bounds = fit_boxes(&mut self.nodes, triangles, &members);
+        self.widen_boxes();
         Ok(())
     }
 
