@@ -4,7 +4,8 @@ use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 
 use trisect_harness::record::Records;
-use trisect_workloads::{Mesh, MeshFormat, read_rays_binary, read_rays_csv};
+use trisect_mesh::{Mesh, MeshFormat};
+use trisect_workloads::{read_rays_binary, read_rays_csv};
 
 const MUTATIONS: u64 = 400;
 
@@ -69,7 +70,7 @@ fn survives(name: &str, sound: &[u8], read: fn(&[u8]) -> Result<(), String>) {
 }
 
 fn data(name: &str) -> Vec<u8> {
-    let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/workloads/tests");
+    let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/mesh/tests");
     std::fs::read(folder.join("data").join(name)).expect("the files of the workloads' tests")
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use trisect_workloads::{MeshError, MeshProblem};
+use trisect_mesh::{MeshError, MeshProblem, ReadProblem};
 
 /// What is wrong with a scene, and in which file.
 #[derive(Debug, thiserror::Error)]
@@ -18,9 +18,9 @@ pub struct SceneError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneProblem {
-    /// The file could not be read.
-    #[error("cannot be read ({0}); check the path")]
-    Unreadable(#[source] std::io::Error),
+    /// The file, or something in it, is not read.
+    #[error("{0}")]
+    Unread(#[from] ReadProblem),
     /// The ending of the file's name is not known.
     #[error("unknown file type; scenes are .toml, .gltf, .glb and .obj, meshes .ply and .stl too")]
     UnknownType,

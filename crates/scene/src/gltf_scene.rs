@@ -9,8 +9,7 @@ use gltf::image::Source;
 use gltf::khr_lights_punctual::Kind;
 use gltf::{Semantic, texture};
 use trisect_core::Triangle;
-use trisect_workloads::MeshProblem;
-use trisect_workloads::mesh::GltfFile;
+use trisect_mesh::{GltfFile, MeshProblem, ReadProblem, Reading};
 
 use crate::camera::{Camera, Lens};
 use crate::error::{SceneError, SceneProblem};
@@ -22,18 +21,18 @@ use crate::texture::Texture;
 const LUMINOUS_EFFICACY: f32 = 683.0;
 
 /// Reads a scene. Light of `KHR_lights_punctual`, in candela and lux, is divided by 683.
-pub(crate) fn load(path: &Path) -> Result<Scene, SceneError> {
+pub(crate) fn load(path: &Path, reading: &mut Reading) -> Result<Scene, SceneError> {
     let name = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|error| SceneProblem::Unreadable(error).of_file(name.as_str()))?;
-    read(&bytes, path.parent()).map_err(|problem| problem.of_file(name))
+    let fail = |problem: ReadProblem| SceneProblem::from(problem).of_file(name.as_str());
+    let bytes = reading.file(path).map_err(fail)?;
+    read(&bytes, path.parent(), reading).map_err(|problem| problem.of_file(name))
 }
 
-fn read(bytes: &[u8], folder: Option<&Path>) -> Result<Scene, SceneProblem> {
-    let file = GltfFile::open(bytes, folder).map_err(SceneProblem::Mesh)?;
+fn read(bytes: &[u8], folder: Option<&Path>, reading: &mut Reading) -> Result<Scene, SceneProblem> {
+    let file = GltfFile::open(bytes, folder, reading).map_err(SceneProblem::Mesh)?;
     let mut scene = Scene::empty();
     for texture in file.document.textures() {
-        scene.textures.push(read_texture(&file, &texture, folder)?);
+        scene.textures.push(read_texture(&file, &texture, folder, reading)?);
     }
     for material in file.document.materials() {
         scene.materials.push(read_material(&material)?);
@@ -103,6 +102,7 @@ fn read_texture(
     file: &GltfFile,
     texture: &texture::Texture<'_>,
     folder: Option<&Path>,
+    reading: &mut Reading,
 ) -> Result<Texture, SceneProblem> {
     let place = format!("texture {}", texture.index());
     let faulty = |what: String| {
@@ -121,7 +121,9 @@ fn read_texture(
         Source::Uri { uri, .. } if uri.starts_with("data:") => {
             return Err(faulty("pictures as text are not supported".to_owned()));
         }
-        Source::Uri { uri, .. } => Texture::load(&folder.unwrap_or(Path::new(".")).join(uri)),
+        Source::Uri { uri, .. } => {
+            Texture::load(&folder.unwrap_or(Path::new(".")).join(uri), reading)
+        }
     };
     let pixels = pixels.map_err(|problem| faulty(problem.to_string()))?;
     Ok(Texture { scale: Vec2::ONE, pixels })

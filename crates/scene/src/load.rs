@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::{Affine3A, Vec3};
-use trisect_workloads::MeshFormat;
+use trisect_mesh::{MeshFormat, ReadOptions, Reading};
 
 use crate::camera::{Camera, Lens};
 use crate::error::{SceneError, SceneProblem};
@@ -39,23 +39,37 @@ impl Scene {
     /// When a file cannot be read or is faulty; the message names the file, the line or element, the
     /// field and what mends it.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
-        let path = path.as_ref();
+        Self::load_with(path, &ReadOptions::default())
+    }
+
+    /// The same, read as the options say.
+    ///
+    /// # Errors
+    /// As [`Scene::load`], and for what the options refuse.
+    pub fn load_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self, SceneError> {
+        let mut reading = Reading::new(options);
+        let mut scene = Self::read(path.as_ref(), &mut reading)?;
+        scene.notes = reading.into_notes();
+        Ok(scene)
+    }
+
+    fn read(path: &Path, reading: &mut Reading) -> Result<Self, SceneError> {
         let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
         if ending.eq_ignore_ascii_case("toml") {
-            let text = read_text(path)?;
-            return toml_file::parse(&path.display().to_string(), &text, path.parent());
+            let text = read_text(path, reading)?;
+            return toml_file::parse(&path.display().to_string(), &text, path.parent(), reading);
         }
         let mut scene = match MeshFormat::of(path) {
-            Some(MeshFormat::Gltf) => gltf_scene::load(path)?,
+            Some(MeshFormat::Gltf) => gltf_scene::load(path, reading)?,
             Some(MeshFormat::Obj) => {
                 let mut scene = Self::empty();
-                let mesh = obj::load(path, &mut scene)?;
+                let mesh = obj::load(path, &mut scene, reading)?;
                 scene.put(mesh);
                 scene
             }
             Some(MeshFormat::Ply | MeshFormat::Stl) => {
                 let mut scene = Self::empty();
-                let mesh = load_triangles(path)?;
+                let mesh = load_triangles(path, reading)?;
                 scene.materials.push(Material::default());
                 scene.put(Mesh { materials: vec![0; mesh.triangles.len()], ..mesh });
                 scene
@@ -72,7 +86,10 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn from_toml(name: &str, text: &str, folder: Option<&Path>) -> Result<Self, SceneError> {
-        toml_file::parse(name, text, folder)
+        let mut reading = Reading::new(&ReadOptions::default());
+        let mut scene = toml_file::parse(name, text, folder, &mut reading)?;
+        scene.notes = reading.into_notes();
+        Ok(scene)
     }
 
     /// A scene with nothing in it, not even a camera.
@@ -90,6 +107,7 @@ impl Scene {
             instances: Vec::new(),
             spheres: Vec::new(),
             planes: Vec::new(),
+            notes: Vec::new(),
         }
     }
 
@@ -148,13 +166,16 @@ impl Scene {
     }
 }
 
-pub(crate) fn read_text(path: &Path) -> Result<String, SceneError> {
-    std::fs::read_to_string(path)
-        .map_err(|error| SceneProblem::Unreadable(error).of_file(path.display().to_string()))
+pub(crate) fn read_text(path: &Path, reading: &mut Reading) -> Result<String, SceneError> {
+    let fail = |problem: SceneProblem| problem.of_file(path.display().to_string());
+    let bytes = reading.file(path).map_err(|problem| fail(problem.into()))?;
+    String::from_utf8(bytes).map_err(|_| {
+        fail(SceneProblem::faulty("file", "encoding", "is not text (UTF-8)", "save it as UTF-8"))
+    })
 }
 
 /// Triangles of a file of any format, with smooth normals and without materials.
-pub(crate) fn load_triangles(path: &Path) -> Result<Mesh, SceneError> {
-    let mesh = trisect_workloads::Mesh::load(path)?;
+pub(crate) fn load_triangles(path: &Path, reading: &mut Reading) -> Result<Mesh, SceneError> {
+    let mesh = trisect_mesh::Mesh::read(path, reading)?;
     Ok(Mesh::of_triangles(mesh.name, mesh.triangles.to_vec()))
 }

@@ -1,6 +1,7 @@
 //! What a scene is made of.
 
 use glam::{Affine3A, Vec3};
+use trisect_mesh::Note;
 
 use crate::camera::Camera;
 use crate::error::UnknownCamera;
@@ -45,6 +46,8 @@ pub struct Scene {
     pub spheres: Vec<Sphere>,
     /// Planes without end.
     pub planes: Vec<Plane>,
+    /// What the readers of its files passed over.
+    pub notes: Vec<Note>,
 }
 
 impl Scene {

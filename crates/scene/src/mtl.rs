@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
+use trisect_mesh::Reading;
 
 use crate::error::{SceneError, SceneProblem};
 use crate::load::read_text;
@@ -26,8 +27,12 @@ struct Read {
 
 /// Reads the materials of a library: `Kd`, `Ks`, `Ns`, `Ke`, `Ni`, `d`, `Tr`, `map_Kd` and `illum`; all else
 /// is passed over. Textures are added to the scene.
-pub(crate) fn load(path: &Path, scene: &mut Scene) -> Result<Vec<Material>, SceneError> {
-    let text = read_text(path)?;
+pub(crate) fn load(
+    path: &Path,
+    scene: &mut Scene,
+    reading: &mut Reading,
+) -> Result<Vec<Material>, SceneError> {
+    let text = read_text(path, reading)?;
     let file = path.display().to_string();
     let mut materials: Vec<Read> = Vec::new();
     for (number, line) in text.lines().enumerate() {
@@ -74,12 +79,13 @@ pub(crate) fn load(path: &Path, scene: &mut Scene) -> Result<Vec<Material>, Scen
                     rest.parse().map_err(|_| fault(&format!("`{rest}` is no model"), mend))?;
             }
             "map_Kd" => {
-                let pixels = Texture::load(&path.with_file_name(rest)).map_err(|problem| {
-                    fault(
-                        &format!("`{rest}`: {problem}"),
-                        "name a PNG or a JPEG beside the library",
-                    )
-                })?;
+                let pixels =
+                    Texture::load(&path.with_file_name(rest), reading).map_err(|problem| {
+                        fault(
+                            &format!("`{rest}`: {problem}"),
+                            "name a PNG or a JPEG beside the library",
+                        )
+                    })?;
                 material.texture = Some(scene.textures.len());
                 // v grows upwards in OBJ.
                 scene.textures.push(Texture { scale: Vec2::new(1.0, -1.0), pixels });

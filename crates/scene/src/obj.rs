@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use trisect_core::Triangle;
-use trisect_workloads::mesh::{ObjFile, ObjLine};
+use trisect_mesh::{ObjFile, ObjLine, Reading};
 
 use crate::error::{SceneError, SceneProblem};
 use crate::load::read_text;
@@ -15,16 +15,20 @@ use crate::mtl;
 
 /// Reads a mesh, and adds its materials and textures to the scene. Triangles without a material get one
 /// that is grey.
-pub(crate) fn load(path: &Path, scene: &mut Scene) -> Result<Mesh, SceneError> {
+pub(crate) fn load(
+    path: &Path,
+    scene: &mut Scene,
+    reading: &mut Reading,
+) -> Result<Mesh, SceneError> {
     let name = path.display().to_string();
-    let text = read_text(path)?;
+    let text = read_text(path, reading)?;
     let at_fault = |problem| SceneProblem::Mesh(problem).of_file(name.as_str());
     let file = ObjFile::parse(&text).map_err(at_fault)?;
     let triangles = file.triangles().map_err(at_fault)?;
     let folder = path.parent().unwrap_or(Path::new("."));
     let mut known = HashMap::new();
     for library in file.libraries() {
-        for material in mtl::load(&folder.join(library), scene)? {
+        for material in mtl::load(&folder.join(library), scene, reading)? {
             known.insert(material.name.clone(), scene.materials.len());
             scene.materials.push(material);
         }
@@ -51,7 +55,7 @@ pub(crate) fn load(path: &Path, scene: &mut Scene) -> Result<Mesh, SceneError> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let mut mesh = Mesh { name: stem, ..Mesh::default() };
     for triangle in &triangles {
-        let [a, b, c] = triangle.corners.map(|corner| corner.position);
+        let [a, b, c] = triangle.corners.map(|corner| DVec3::from(corner.position).as_vec3());
         let flat = Triangle::new(a, b, c);
         let own = Vec3::from(flat.normal()).normalize_or_zero();
         mesh.triangles.push(flat);

@@ -5,6 +5,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
+use trisect_mesh::Reading;
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
@@ -55,8 +56,8 @@ impl Texture {
     }
 
     /// Reads a PNG or a JPEG: grey or in colours, sRGB. What it says of opacity is not used.
-    pub(crate) fn load(path: &Path) -> Result<Pixels, SceneProblem> {
-        let file = std::fs::read(path).map_err(SceneProblem::Unreadable)?;
+    pub(crate) fn load(path: &Path, reading: &mut Reading) -> Result<Pixels, SceneProblem> {
+        let file = reading.file(path)?;
         Self::decode(&file)
     }
 

@@ -7,6 +7,7 @@ use std::path::Path;
 use glam::{Affine3A, EulerRot, Quat, Vec2, Vec3};
 use serde::Deserialize;
 use toml::Spanned;
+use trisect_mesh::Reading;
 
 use crate::camera::{Camera, Lens};
 use crate::error::{SceneError, SceneProblem, line_of};
@@ -143,7 +144,12 @@ struct Reader<'a> {
     text: &'a str,
 }
 
-pub(crate) fn parse(file: &str, text: &str, folder: Option<&Path>) -> Result<Scene, SceneError> {
+pub(crate) fn parse(
+    file: &str,
+    text: &str,
+    folder: Option<&Path>,
+    reading: &mut Reading,
+) -> Result<Scene, SceneError> {
     let reader = Reader { file, text };
     let tables: File = toml::from_str(text).map_err(|error| reader.syntax(&error))?;
     let folder = folder.unwrap_or(Path::new("."));
@@ -164,7 +170,7 @@ pub(crate) fn parse(file: &str, text: &str, folder: Option<&Path>) -> Result<Sce
     let mut textures = Names::new();
     for (name, texture) in &tables.texture {
         textures.insert(name, scene.textures.len());
-        scene.textures.push(reader.texture(texture, folder)?);
+        scene.textures.push(reader.texture(texture, folder, reading)?);
     }
     let mut materials = Names::new();
     for (name, material) in &tables.material {
@@ -174,7 +180,7 @@ pub(crate) fn parse(file: &str, text: &str, folder: Option<&Path>) -> Result<Sce
     let mut meshes = Names::new();
     for (name, mesh) in &tables.mesh {
         meshes.insert(name, scene.meshes.len());
-        let mesh = reader.mesh(mesh, folder, &mut scene)?;
+        let mesh = reader.mesh(mesh, folder, &mut scene, reading)?;
         scene.meshes.push(Mesh { name: name.clone(), ..mesh });
     }
     for instance in &tables.instance {
@@ -403,12 +409,17 @@ impl Reader<'_> {
         }
     }
 
-    fn texture(&self, table: &Spanned<TextureTable>, folder: &Path) -> Result<Texture, SceneError> {
+    fn texture(
+        &self,
+        table: &Spanned<TextureTable>,
+        folder: &Path,
+        reading: &mut Reading,
+    ) -> Result<Texture, SceneError> {
         let TextureTable { file, checker, scale } = table.get_ref();
         let pixels = match (file, checker) {
             (Some(file), None) => {
                 let path = folder.join(file.get_ref());
-                Texture::load(&path).map_err(|problem| {
+                Texture::load(&path, reading).map_err(|problem| {
                     let what = format!("`{}`: {problem}", file.get_ref());
                     self.fault(&file.span(), "file", &what, "name a PNG or a JPEG beside the scene")
                 })?
@@ -485,14 +496,15 @@ impl Reader<'_> {
         table: &Spanned<MeshTable>,
         folder: &Path,
         scene: &mut Scene,
+        reading: &mut Reading,
     ) -> Result<Mesh, SceneError> {
         match table.get_ref() {
             MeshTable { file: Some(file), model: None } => {
                 let path = folder.join(file.get_ref());
                 if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("obj")) {
-                    return obj::load(&path, scene);
+                    return obj::load(&path, scene, reading);
                 }
-                load_triangles(&path)
+                load_triangles(&path, reading)
             }
             MeshTable { file: None, model: Some(model) } => match model.get_ref().as_str() {
                 "chair" => Ok(Mesh::chair()),

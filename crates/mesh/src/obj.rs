@@ -5,9 +5,9 @@
 
 use std::ops::Range;
 
-use super::{
-    Face, MeshProblem, Place, Raw, Vertex, all_finite, coordinates, malformed_line, text, vertex_at,
-};
+use crate::error::{MeshProblem, Place};
+use crate::faces::{self, Raw, Vertex, all_finite, vertex_at};
+use crate::text::{coordinates, malformed_line, text};
 
 /// An OBJ file: vertices, faces, and which material each is of. Texture coordinates and normals are not
 /// looked at before they are asked for, by [`triangles`](ObjFile::triangles).
@@ -35,7 +35,7 @@ pub struct ObjLine<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjCorner {
     /// Where it is.
-    pub position: [f32; 3],
+    pub position: [f64; 3],
     /// Its texture coordinates.
     pub coordinates: Option<[f32; 2]>,
     /// Its normal, of any length.
@@ -53,8 +53,7 @@ pub struct ObjTriangle {
 
 /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
 struct Corner<'a> {
-    /// The number of its vertex from 0, and as it is written.
-    vertex: (i64, i64),
+    vertex: faces::Corner,
     /// What follows the first slash.
     rest: &'a str,
 }
@@ -67,13 +66,14 @@ struct ObjFace {
     so_far: [usize; 2],
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
+pub(crate) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
     let file = ObjFile::parse(text(bytes)?)?;
-    let face = |face: &ObjFace| {
+    let mut raw = Raw { vertices: file.vertices, ..Raw::default() };
+    for face in &file.faces {
         let corners = &file.corners[face.corners.clone()];
-        Face::from_pairs(corners.iter().map(|corner| corner.vertex), Some(face.line))
-    };
-    Ok(Raw { faces: file.faces.iter().map(face).collect(), vertices: file.vertices })
+        raw.push_corners(corners.iter().map(|corner| corner.vertex), Some(face.line));
+    }
+    Ok(raw)
 }
 
 impl<'a> ObjFile<'a> {
@@ -150,12 +150,11 @@ impl<'a> ObjFile<'a> {
             let place = Place { number, line: Some(face.line) };
             let corners = &self.corners[face.corners.clone()];
             let read = |corner: &Corner<'_>| -> Result<ObjCorner, MeshProblem> {
-                let (index, written) = corner.vertex;
                 let mut rest = corner.rest.split('/');
                 let mut next = |kind| number_in(rest.next().unwrap_or_default(), kind, face.line);
                 let (at, normal) = (next("texture coordinates")?, next("normal")?);
                 Ok(ObjCorner {
-                    position: vertex_at(&self.vertices, index, written, place)?,
+                    position: vertex_at(&self.vertices, corner.vertex, place)?,
                     coordinates: found(&coordinates, at, face.so_far[0], "vt", face.line)?,
                     normal: found(&normals, normal, face.so_far[1], "vn", face.line)?,
                 })
@@ -181,7 +180,8 @@ fn corner(word: &str, line: usize, so_far: usize) -> Result<Corner<'_>, MeshProb
     let written = first
         .parse()
         .map_err(|_| malformed_line(line, format!("corner `{word}` is not an index")))?;
-    Ok(Corner { vertex: (from_zero(written, so_far), written), rest })
+    let vertex = faces::Corner { vertex: from_zero(written, so_far), written };
+    Ok(Corner { vertex, rest })
 }
 
 /// A number that counts from 1, or back from the last so far, as one that counts from 0.

@@ -3,14 +3,16 @@
 //! Read here, not by a library: a binary file whose header says `solid` is common, and only its
 //! length tells it from an ascii one; and no library at hand keeps line numbers.
 
-use super::{Face, MeshProblem, Raw, Vertex, coordinates, malformed_line, text};
+use crate::error::MeshProblem;
+use crate::faces::{Raw, Vertex};
+use crate::text::{coordinates, malformed_line, text};
 
 /// Bytes before the first record: a comment of 80 and the count of 4.
 const HEADER: usize = 84;
 /// Bytes of a record: twelve f32 (the normal, three corners) and two unused bytes.
 const RECORD: usize = 50;
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
+pub(crate) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
     let promised = bytes
         .get(HEADER - 4..HEADER)
         .map(|count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]))
@@ -36,20 +38,21 @@ fn parse_binary(bytes: &[u8]) -> Raw {
     for record in bytes[HEADER..].chunks_exact(RECORD) {
         let number =
             |i: usize| f32::from_le_bytes([record[i], record[i + 1], record[i + 2], record[i + 3]]);
-        let corners = [12, 24, 36].map(|at| [number(at), number(at + 4), number(at + 8)]);
+        let corners =
+            [12, 24, 36].map(|at| [number(at), number(at + 4), number(at + 8)].map(f64::from));
         push_facet(&mut raw, &corners, None, &[None; 3]);
     }
     raw
 }
 
 /// Adds a facet with its own vertices: STL shares none.
-fn push_facet(raw: &mut Raw, corners: &[[f32; 3]], line: Option<usize>, lines: &[Option<usize>]) {
+fn push_facet(raw: &mut Raw, corners: &[[f64; 3]], line: Option<usize>, lines: &[Option<usize>]) {
     let first = raw.vertices.len();
     raw.vertices.extend(corners.iter().zip(lines).map(|(&at, &line)| Vertex { at, line }));
     let indices = (first..raw.vertices.len())
         .map(|index| i64::try_from(index).unwrap_or(i64::MAX))
         .collect::<Vec<_>>();
-    raw.faces.push(Face::from_indices(&indices, line));
+    raw.push(&indices, line);
 }
 
 /// Where in the nested `solid`, `facet`, `loop` a line stands.

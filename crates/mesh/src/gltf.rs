@@ -14,7 +14,10 @@ use gltf::json::Root;
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Error, Gltf, Node, Primitive, Semantic};
 
-use super::{Face, MeshProblem, Raw, Vertex};
+use crate::error::MeshProblem;
+use crate::faces::{Corner, Raw, Vertex};
+use crate::mesh::Source as Input;
+use crate::reading::Reading;
 
 /// A document with the bytes that it refers to.
 pub struct GltfFile {
@@ -31,7 +34,11 @@ impl GltfFile {
     ///
     /// # Errors
     /// When the document breaks the format's rules, or a buffer is missing or too short.
-    pub fn open(bytes: &[u8], folder: Option<&Path>) -> Result<Self, MeshProblem> {
+    pub fn open(
+        bytes: &[u8],
+        folder: Option<&Path>,
+        reading: &mut Reading,
+    ) -> Result<Self, MeshProblem> {
         check_length(bytes)?;
         let Gltf { document, mut blob } =
             Gltf::from_slice_without_validation(bytes).map_err(|error| problem(&error))?;
@@ -41,7 +48,7 @@ impl GltfFile {
         let mut buffers = Vec::new();
         for buffer in document.buffers() {
             let name = format!("buffer {}", buffer.index());
-            let data = read_buffer(&buffer.source(), folder, &mut blob, &name)?;
+            let data = read_buffer(&buffer.source(), folder, reading, &mut blob, &name)?;
             if data.len() < buffer.length() {
                 return Err(MeshProblem::Truncated {
                     what: format!("{name} needs {} bytes, it has {}", buffer.length(), data.len()),
@@ -126,8 +133,8 @@ impl GltfFile {
     }
 }
 
-pub(super) fn parse(bytes: &[u8], folder: Option<&Path>) -> Result<Raw, MeshProblem> {
-    let file = GltfFile::open(bytes, folder)?;
+pub(crate) fn parse(bytes: &[u8], input: &mut Input<'_>) -> Result<Raw, MeshProblem> {
+    let file = GltfFile::open(bytes, input.folder, input.reading)?;
     let mut raw = Raw::default();
     for (node, world) in file.nodes() {
         if let Some(mesh) = node.mesh() {
@@ -193,6 +200,7 @@ fn check_accessors(root: &Root) -> Result<(), MeshProblem> {
 fn read_buffer(
     source: &Source<'_>,
     folder: Option<&Path>,
+    reading: &mut Reading,
     blob: &mut Option<Vec<u8>>,
     name: &str,
 ) -> Result<Vec<u8>, MeshProblem> {
@@ -214,7 +222,7 @@ fn read_buffer(
         what: format!("{name}: a buffer in another file is, for a mesh in memory,"),
         mend: "embed the buffers (.glb)",
     })?;
-    std::fs::read(folder.join(path.as_ref())).map_err(|error| missing(&format!(" ({error})")))
+    reading.file(&folder.join(path.as_ref())).map_err(|error| missing(&format!(" ({error})")))
 }
 
 fn problem(error: &Error) -> MeshProblem {
@@ -244,19 +252,23 @@ fn read_primitive(
     // A mirror turns front to back; the corners' order turns it again.
     let order = if determinant(world) < 0.0 { [0, 2, 1] } else { [0, 1, 2] };
     for corners in indices.chunks_exact(3) {
-        let pairs = order.map(|corner| {
+        let corners = order.map(|corner| {
             let index = corners[corner];
             // Indices count within the primitive: beyond its own vertices lie another's.
             let resolved = if index < count { first + index } else { usize::MAX };
-            (i64::try_from(resolved).unwrap_or(-1), i64::try_from(index).unwrap_or(i64::MAX))
+            Corner {
+                vertex: i64::try_from(resolved).unwrap_or(-1),
+                written: i64::try_from(index).unwrap_or(i64::MAX),
+            }
         });
-        if let Some(&(_, index)) = pairs.iter().find(|(resolved, _)| *resolved < 0) {
+        if let Some(Corner { written: index, .. }) = corners.iter().find(|corner| corner.vertex < 0)
+        {
             return Err(MeshProblem::Malformed {
                 place: format!("face {}", raw.faces.len()),
                 what: format!("index {index} is out of range, {place} has {count} vertices"),
             });
         }
-        raw.faces.push(Face::from_pairs(pairs, None));
+        raw.push_corners(corners, None);
     }
     Ok(())
 }
@@ -354,9 +366,8 @@ fn multiply(a: &Matrix, b: &Matrix) -> Matrix {
     })
 }
 
-#[allow(clippy::cast_possible_truncation, reason = "a mesh is f32: the nearest is meant")]
-fn transform(m: &Matrix, [x, y, z]: [f64; 3]) -> [f32; 3] {
-    [0, 1, 2].map(|row| (m[0][row] * x + m[1][row] * y + m[2][row] * z + m[3][row]) as f32)
+fn transform(m: &Matrix, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|row| m[0][row] * x + m[1][row] * y + m[2][row] * z + m[3][row])
 }
 
 fn determinant(m: &Matrix) -> f64 {

@@ -8,12 +8,14 @@ use ply_rs_bw::ply::{
     PropertyType, ScalarType,
 };
 
-use super::{Face, MeshProblem, Raw, Vertex, line_at, malformed_line};
+use crate::error::MeshProblem;
+use crate::faces::{Raw, Vertex};
+use crate::text::{line_at, malformed_line};
 
 /// The two names that exporters give to the list of a face's vertices.
 const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
-pub(super) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
+pub(crate) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
     let mut reader = Reader::new(bytes);
     let header = Parser::<DefaultElement>::new()
         .read_header(&mut reader)
@@ -31,7 +33,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
                 raw.vertices.push(Vertex { at: vertex.at, line });
             })?,
             "face" => payload.read(element, |face: PlyFace, line| {
-                raw.faces.push(Face::from_indices(&face.indices, line));
+                raw.push(&face.indices, line);
             })?,
             _ => payload.read(element, |_: Skipped, _| {})?,
         }
@@ -218,7 +220,7 @@ fn check_words(element: &ElementDef, content: &str, line: usize) -> Result<(), M
 }
 
 struct PlyVertex {
-    at: [f32; 3],
+    at: [f64; 3],
 }
 
 impl PropertyAccess for PlyVertex {
@@ -230,19 +232,15 @@ impl PropertyAccess for PlyVertex {
         let Some(axis) = ["x", "y", "z"].iter().position(|&axis| axis == name) else {
             return PropertyAccessResult::Ignored;
         };
-        #[allow(
-            clippy::cast_possible_truncation,
-            reason = "a mesh is f32: doubles and wide integers are rounded to the nearest"
-        )]
         let value = match property {
-            Property::Float(x) => x,
-            Property::Double(x) => x as f32,
-            Property::Char(x) => f32::from(x),
-            Property::UChar(x) => f32::from(x),
-            Property::Short(x) => f32::from(x),
-            Property::UShort(x) => f32::from(x),
-            Property::Int(x) => x as f32,
-            Property::UInt(x) => x as f32,
+            Property::Float(x) => x.into(),
+            Property::Double(x) => x,
+            Property::Char(x) => x.into(),
+            Property::UChar(x) => x.into(),
+            Property::Short(x) => x.into(),
+            Property::UShort(x) => x.into(),
+            Property::Int(x) => x.into(),
+            Property::UInt(x) => x.into(),
             _ => return PropertyAccessResult::UnsupportedType,
         };
         self.at[axis] = value;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use trisect_core::Triangle;
-use trisect_workloads::{Mesh, MeshFormat};
+use trisect_mesh::{Mesh, MeshFormat};
 
 const BOXES: [&str; 8] = [
     "box.ascii.ply",
