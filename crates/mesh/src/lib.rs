@@ -12,7 +12,10 @@ mod stl;
 mod text;
 
 pub use error::{MeshError, MeshProblem, Place};
-pub use gltf::{GltfFile, Matrix, PlacedNode};
+pub use gltf::{
+    GltfCamera, GltfDocument, GltfFile, GltfLight, GltfMaterial, GltfTexture, Matrix, Part, PlacedMesh,
+    determinant, transform,
+};
 pub use mesh::{Bounds, Mesh, MeshFormat};
 pub use obj::{ObjCorner, ObjFile, ObjLine, ObjTriangle};
 pub use reading::{Note, ReadOptions, ReadProblem, Reading};
