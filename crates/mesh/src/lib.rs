@@ -19,3 +19,4 @@ pub use gltf::{
 pub use mesh::{Bounds, Mesh, MeshFormat};
 pub use obj::{ObjCorner, ObjFile, ObjLine, ObjTriangle};
 pub use reading::{Note, ReadOptions, ReadProblem, Reading};
+pub use text::{lines, without_comment};

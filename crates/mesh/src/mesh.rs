@@ -246,8 +246,8 @@ fn parse(
 ) -> Result<Vec<Triangle<f64>>, MeshProblem> {
     match format {
         MeshFormat::Ply => ply::parse(bytes),
-        MeshFormat::Obj => obj::parse(bytes),
-        MeshFormat::Stl => stl::parse(bytes),
+        MeshFormat::Obj => obj::parse(bytes, source),
+        MeshFormat::Stl => stl::parse(bytes, source),
         MeshFormat::Gltf => gltf::parse(bytes, source),
     }
     .and_then(|raw: Raw| raw.triangles())

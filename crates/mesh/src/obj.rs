@@ -7,7 +7,8 @@ use std::ops::Range;
 
 use crate::error::{MeshProblem, Place};
 use crate::faces::{self, Raw, Vertex, all_finite, vertex_at};
-use crate::text::{coordinates, malformed_line, text};
+use crate::mesh::Source;
+use crate::text::{coordinates, lines, malformed_line, without_comment};
 
 /// An OBJ file: vertices, faces, and which material each is of. Texture coordinates and normals are not
 /// looked at before they are asked for, by [`triangles`](ObjFile::triangles).
@@ -66,8 +67,9 @@ struct ObjFace {
     so_far: [usize; 2],
 }
 
-pub(crate) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
-    let file = ObjFile::parse(text(bytes)?)?;
+pub(crate) fn parse(bytes: &[u8], source: &mut Source<'_>) -> Result<Raw, MeshProblem> {
+    let text = source.reading.decode(bytes)?;
+    let file = ObjFile::parse(&text)?;
     let mut raw = Raw { vertices: file.vertices, ..Raw::default() };
     for face in &file.faces {
         let corners = &file.corners[face.corners.clone()];
@@ -84,9 +86,8 @@ impl<'a> ObjFile<'a> {
     pub fn parse(text: &'a str) -> Result<Self, MeshProblem> {
         let mut file = Self::default();
         let mut material = None;
-        for (number, content) in text.lines().enumerate() {
-            let line = number + 1;
-            let content = content.split('#').next().unwrap_or_default().trim();
+        for (line, content) in lines(text) {
+            let content = without_comment(content).trim();
             if content.ends_with('\\') {
                 return Err(MeshProblem::Unsupported {
                     what: format!("line {line}: continued lines (\\) are"),

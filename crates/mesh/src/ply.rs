@@ -10,7 +10,7 @@ use ply_rs_bw::ply::{
 
 use crate::error::MeshProblem;
 use crate::faces::{Raw, Vertex};
-use crate::text::{line_at, malformed_line};
+use crate::text::malformed_line;
 
 /// The two names that exporters give to the list of a face's vertices.
 const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
@@ -23,7 +23,8 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
     check_header(&header, reader.get_ref().len())?;
     let mut payload = Payload {
         encoding: header.encoding,
-        line: line_at(bytes, bytes.len() - reader.get_ref().len()) - 1,
+        line: bytes[..bytes.len() - reader.get_ref().len()].split(|&byte| byte == b'\n').count()
+            - 1,
         rest: reader.into_inner(),
     };
     let mut raw = Raw::default();

@@ -75,6 +75,12 @@ pub enum ReadProblem {
         /// The limit.
         limit: u64,
     },
+    /// It is read as text, and is not.
+    #[error("line {line}: is no text; save the file as UTF-8")]
+    NotText {
+        /// The first line that is none.
+        line: usize,
+    },
     /// The file departs from the standard of its format, and the reading is strict.
     #[error("{place}: {what}, which the format's standard does not allow; leave out --strict")]
     NotStandard {
@@ -145,18 +151,25 @@ impl Reading {
         if self.used > limit { Err(ReadProblem::TooLarge { limit }) } else { Ok(()) }
     }
 
+    /// Passes over a departure from the format's standard by which nothing is lost.
+    ///
+    /// # Errors
+    /// When the reading is strict.
+    pub fn tolerate(&self, place: impl fmt::Display, what: &str) -> Result<(), ReadProblem> {
+        if self.options.strict {
+            let (place, what) = (place.to_string(), what.to_owned());
+            return Err(ReadProblem::NotStandard { place, what });
+        }
+        Ok(())
+    }
+
     /// Notes a departure from the format's standard that `what` describes, with what it means for the
     /// result.
     ///
     /// # Errors
     /// When the reading is strict.
     pub fn note(&mut self, file: &str, place: &str, what: &str) -> Result<(), ReadProblem> {
-        if self.options.strict {
-            return Err(ReadProblem::NotStandard {
-                place: place.to_owned(),
-                what: what.to_owned(),
-            });
-        }
+        self.tolerate(place, what)?;
         self.remark(file, place, what);
         Ok(())
     }

@@ -5,14 +5,15 @@
 
 use crate::error::MeshProblem;
 use crate::faces::{Raw, Vertex};
-use crate::text::{coordinates, malformed_line, text};
+use crate::mesh::Source;
+use crate::text::{bom_length, coordinates, lines, malformed_line};
 
 /// Bytes before the first record: a comment of 80 and the count of 4.
 const HEADER: usize = 84;
 /// Bytes of a record: twelve f32 (the normal, three corners) and two unused bytes.
 const RECORD: usize = 50;
 
-pub(crate) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
+pub(crate) fn parse(bytes: &[u8], source: &mut Source<'_>) -> Result<Raw, MeshProblem> {
     let promised = bytes
         .get(HEADER - 4..HEADER)
         .map(|count| u32::from_le_bytes([count[0], count[1], count[2], count[3]]))
@@ -20,7 +21,9 @@ pub(crate) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
     let actual = bytes.len() as u64;
     match promised {
         Some((_, length)) if length == actual => Ok(parse_binary(bytes)),
-        _ if bytes.trim_ascii_start().starts_with(b"solid") => parse_ascii(text(bytes)?),
+        _ if bytes[bom_length(bytes)..].trim_ascii_start().starts_with(b"solid") => {
+            parse_ascii(&source.reading.decode(bytes)?)
+        }
         Some((count, length)) if length > actual => Err(MeshProblem::Truncated {
             what: format!("{count} triangles need {length} bytes, the file has {actual}"),
         }),
@@ -68,9 +71,8 @@ fn parse_ascii(content: &str) -> Result<Raw, MeshProblem> {
     let mut raw = Raw::default();
     let mut inside = Inside::Nothing;
     let mut facet_line = 0;
-    let (mut corners, mut lines) = (Vec::new(), Vec::new());
-    for (number, content) in content.lines().enumerate() {
-        let line = number + 1;
+    let (mut corners, mut at) = (Vec::new(), Vec::new());
+    for (line, content) in lines(content) {
         let mut words = content.split_whitespace();
         let Some(keyword) = words.next() else { continue };
         inside = match (inside, keyword.to_ascii_lowercase().as_str()) {
@@ -82,16 +84,16 @@ fn parse_ascii(content: &str) -> Result<Raw, MeshProblem> {
             (Inside::Facet, "outer") => Inside::Loop,
             (Inside::Loop, "vertex") => {
                 corners.push(coordinates(&mut words, line)?);
-                lines.push(Some(line));
+                at.push(Some(line));
                 if let Some(word) = words.next() {
                     return Err(malformed_line(line, format!("`{word}` after z")));
                 }
                 Inside::Loop
             }
             (Inside::Loop, "endloop") => {
-                push_facet(&mut raw, &corners, Some(facet_line), &lines);
+                push_facet(&mut raw, &corners, Some(facet_line), &at);
                 corners.clear();
-                lines.clear();
+                at.clear();
                 Inside::Facet
             }
             (Inside::Solid, "endsolid") => Inside::Nothing,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::{Affine3A, Vec3};
-use trisect_mesh::{MeshFormat, ReadOptions, Reading};
+use trisect_mesh::{MeshFormat, ReadOptions, ReadProblem, Reading};
 
 use crate::camera::{Camera, Lens};
 use crate::error::{SceneError, SceneProblem};
@@ -167,11 +167,9 @@ impl Scene {
 }
 
 pub(crate) fn read_text(path: &Path, reading: &mut Reading) -> Result<String, SceneError> {
-    let fail = |problem: SceneProblem| problem.of_file(path.display().to_string());
-    let bytes = reading.file(path).map_err(|problem| fail(problem.into()))?;
-    String::from_utf8(bytes).map_err(|_| {
-        fail(SceneProblem::faulty("file", "encoding", "is not text (UTF-8)", "save it as UTF-8"))
-    })
+    let fail =
+        |problem: ReadProblem| SceneProblem::from(problem).of_file(path.display().to_string());
+    reading.text(path).map_err(fail)
 }
 
 /// Triangles of a file of any format, with smooth normals and without materials.
