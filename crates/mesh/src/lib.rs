@@ -13,8 +13,8 @@ mod text;
 
 pub use error::{MeshError, MeshProblem, Place};
 pub use gltf::{
-    GltfCamera, GltfDocument, GltfFile, GltfLight, GltfMaterial, GltfTexture, Matrix, Part, PlacedMesh,
-    determinant, transform,
+    GltfCamera, GltfDocument, GltfFile, GltfLight, GltfMaterial, GltfTexture, Matrix, Part,
+    PlacedMesh,
 };
 pub use mesh::{Bounds, Mesh, MeshFormat};
 pub use obj::{ObjCorner, ObjFile, ObjLine, ObjTriangle};

@@ -147,8 +147,20 @@ impl Reading {
     /// When it is more than is left.
     pub fn claim(&mut self, bytes: u64) -> Result<(), ReadProblem> {
         self.used = self.used.saturating_add(bytes);
+        self.afford(0)
+    }
+
+    /// Checks that so much memory could be taken for a while; it is not counted.
+    ///
+    /// # Errors
+    /// When it is more than is left.
+    pub fn afford(&self, bytes: u64) -> Result<(), ReadProblem> {
         let limit = self.options.max_memory;
-        if self.used > limit { Err(ReadProblem::TooLarge { limit }) } else { Ok(()) }
+        if self.used.saturating_add(bytes) > limit {
+            Err(ReadProblem::TooLarge { limit })
+        } else {
+            Ok(())
+        }
     }
 
     /// Passes over a departure from the format's standard by which nothing is lost.

@@ -374,7 +374,8 @@ fn wrong_binary_files_say_what_where_and_what_mends_it() {
             let at = bytes.len() - 72 - 96;
             bytes[at..at + 4].copy_from_slice(&nan);
         },
-        "vertex 0: x is NaN; every coordinate must be a finite f32",
+        "mesh 0 primitive 0: vertex 0 lies at [NaN, 0.0, -2.0], which is not finite in f32; \
+         re-export the mesh",
     );
 }
 
@@ -460,10 +461,7 @@ fn a_cycle_of_nodes_is_refused() {
     let sound = String::from_utf8(bytes).expect("text");
     let content = sound.replace("\"mesh\": 0", "\"mesh\": 0, \"children\": [0]");
     let error = Mesh::from_bytes("m", MeshFormat::Gltf, content.as_bytes()).expect_err("a cycle");
-    assert_eq!(
-        error.to_string(),
-        "m: nodes: some are their own ancestors; re-export the mesh"
-    );
+    assert_eq!(error.to_string(), "m: nodes: some are their own ancestors; re-export the mesh");
 }
 
 #[test]

@@ -2,8 +2,10 @@
 
 use std::collections::HashMap;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use trisect_core::Triangle;
+
+use crate::draft::near_origin;
 
 /// Triangles with normals, coordinates for textures, and materials.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,9 +20,36 @@ pub struct Mesh {
     pub coordinates: Vec<[Vec2; 3]>,
     /// Each triangle's material; empty where an instance says it.
     pub materials: Vec<usize>,
+    /// What was subtracted from the positions that its file has; instances of it allow for that.
+    pub origin: DVec3,
+    /// By how much the corner that moves most moved when it was rounded to f32.
+    pub rounding: f64,
 }
 
 impl Mesh {
+    /// A mesh of triangles alone, moved to near 0 and rounded to f32.
+    pub(crate) fn near(name: impl Into<String>, exact: &[Triangle<f64>]) -> Self {
+        let corners = exact.iter().flat_map(|triangle| triangle.corners());
+        let bounds = corners.fold(None, |bounds, corner| {
+            let corner = DVec3::from(corner.to_array());
+            let [low, high] = bounds.unwrap_or([corner; 2]);
+            Some([low.min(corner), high.max(corner)])
+        });
+        let origin = bounds.map_or(DVec3::ZERO, near_origin);
+        let mut rounding = 0.0_f64;
+        let triangles = exact.iter().map(|triangle| {
+            let [a, b, c] = triangle.corners().map(|corner| {
+                let exact = DVec3::from(corner.to_array()) - origin;
+                let near = exact.as_vec3();
+                rounding = rounding.max(near.as_dvec3().distance(exact));
+                near
+            });
+            Triangle::new(a, b, c)
+        });
+        let triangles = triangles.collect();
+        Self { name: name.into(), triangles, origin, rounding, ..Self::default() }
+    }
+
     /// A mesh of triangles alone. Normals are those of [`with_smooth_normals`](Mesh::with_smooth_normals).
     pub fn of_triangles(name: impl Into<String>, triangles: Vec<Triangle<f32>>) -> Self {
         Self { name: name.into(), triangles, ..Self::default() }.with_smooth_normals()

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use trisect_core::Triangle;
 use trisect_mesh::{ObjFile, ObjLine, Reading};
 
@@ -53,12 +53,13 @@ pub(crate) fn load(
     let has_normals = corners.clone().any(|corner| corner.normal.is_some());
     let has_coordinates = corners.any(|corner| corner.coordinates.is_some());
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let mut mesh = Mesh { name: stem, ..Mesh::default() };
-    for triangle in &triangles {
-        let [a, b, c] = triangle.corners.map(|corner| DVec3::from(corner.position).as_vec3());
-        let flat = Triangle::new(a, b, c);
-        let own = Vec3::from(flat.normal()).normalize_or_zero();
-        mesh.triangles.push(flat);
+    let exact = triangles.iter().map(|triangle| {
+        let [a, b, c] = triangle.corners.map(|corner| corner.position);
+        Triangle::new(a, b, c)
+    });
+    let mut mesh = Mesh::near(stem, &exact.collect::<Vec<_>>());
+    for (number, triangle) in triangles.iter().enumerate() {
+        let own = Vec3::from(mesh.triangles[number].normal()).normalize_or_zero();
         mesh.materials.push(triangle.material.map_or(grey, |place| materials[place]));
         if has_normals {
             let normal = |normal: Option<[f32; 3]>| Vec3::from(normal.unwrap_or_default());

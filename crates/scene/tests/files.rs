@@ -326,12 +326,6 @@ fn a_smooth_metal_is_a_mirror() {
 fn faulty_gltf_files_are_told_by_element() {
     let sound = gltf("{}");
     for (from, to, expected) in [
-        ("\"yfov\": 0.7", "\"yfov\": 0", "camera 0: yfov, ymag or matrix: "),
-        (
-            "\"scale\": [3, 3, 3]",
-            "\"scale\": [3, 0, 3]",
-            "node 1: matrix: its transform has no inverse",
-        ),
         ("\"byteLength\": 36, \"uri\"", "\"byteLength\": 37, \"uri\"", "truncated: buffer 0"),
         ("\"count\": 3", "\"count\": 4", "mesh 0 primitive 0: accessor 0 reaches beyond"),
     ] {

@@ -90,8 +90,8 @@ impl GltfFile {
         let quantization = "KHR_mesh_quantization";
         let is_declared = self.document.extensions_used.iter().any(|used| used == quantization);
         if !rule.components.contains(&(component, is_normalized)) && !is_declared {
-            let what = "numbers of a type that only KHR_mesh_quantization allows, which is not declared";
-            reading.note(&self.file, place, what)?;
+            let what = "numbers of a type that only KHR_mesh_quantization allows";
+            reading.tolerate(place, what)?;
         }
         let size = component.size();
         let bytes = self.items(number, accessor, component, N, place, reading)?;
@@ -146,15 +146,24 @@ impl GltfFile {
             None => vec![0; count * size],
             Some(view) => {
                 let offset = accessor.byte_offset;
-                let items = self.strided(view, offset, component, size, count, &name, place, reading)?;
+                let items =
+                    self.strided(view, offset, component, size, count, &name, place, reading)?;
                 items.flatten().copied().collect()
             }
         };
         if let Some(sparse) = &accessor.sparse {
             let index = component_of_index(sparse.indices.component_type, place)?;
             let (view, offset) = (sparse.indices.buffer_view, sparse.indices.byte_offset);
-            let indices =
-                self.strided(view, offset, index, index.size(), sparse.count, &name, place, reading)?;
+            let indices = self.strided(
+                view,
+                offset,
+                index,
+                index.size(),
+                sparse.count,
+                &name,
+                place,
+                reading,
+            )?;
             let (view, offset) = (sparse.values.buffer_view, sparse.values.byte_offset);
             let values =
                 self.strided(view, offset, component, size, sparse.count, &name, place, reading)?;
@@ -180,7 +189,7 @@ impl GltfFile {
         count: usize,
         name: &str,
         place: &str,
-        reading: &mut Reading,
+        reading: &Reading,
     ) -> Result<impl Iterator<Item = &'a [u8]> + use<'a>, MeshProblem> {
         let (data, start, stride) = self.view(view, place)?;
         let stride = stride.unwrap_or(size);
@@ -196,7 +205,7 @@ impl GltfFile {
             .ok_or_else(|| malformed(place, format!("{name} reaches beyond its buffer view")))?;
         let unit = component.size();
         if !(start + offset).is_multiple_of(unit) || !stride.is_multiple_of(unit) {
-            reading.note(&self.file, place, "numbers that are not aligned to their size")?;
+            reading.tolerate(place, "numbers that are not aligned to their size")?;
         }
         Ok((0..count).map(move |i| &data[i * stride..i * stride + size]))
     }
@@ -224,8 +233,9 @@ impl GltfFile {
         };
         let start = view.byte_offset;
         let bytes = start.checked_add(view.byte_length).and_then(|end| data.get(start..end));
-        let bytes = bytes
-            .ok_or_else(|| malformed(place, format!("bufferView {number} reaches beyond its buffer")))?;
+        let bytes = bytes.ok_or_else(|| {
+            malformed(place, format!("bufferView {number} reaches beyond its buffer"))
+        })?;
         Ok((bytes, start, view.byte_stride))
     }
 }

@@ -6,14 +6,16 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::document::{Asset, Document};
+use super::document::{Asset, Document, Version};
 use super::malformed;
 use crate::error::MeshProblem;
 use crate::reading::Reading;
 
+/// A part of a binary file, and its kind.
+type Chunk<'a> = (&'a [u8], [u8; 4]);
+
 /// The document's JSON, and the bytes that a binary file carries beside it.
 pub(super) fn split<'a>(
-    file: &str,
     bytes: &'a [u8],
     reading: &mut Reading,
 ) -> Result<(&'a [u8], Option<Vec<u8>>), MeshProblem> {
@@ -33,10 +35,10 @@ pub(super) fn split<'a>(
         return Err(MeshProblem::Truncated { what: lengths });
     }
     if promised < actual {
-        reading.note(file, &lengths, "bytes after the last chunk, passed over")?;
+        reading.tolerate(lengths, "bytes after the last chunk")?;
     }
     let mut at = 12;
-    let mut chunk = || -> Result<Option<(&'a [u8], [u8; 4])>, MeshProblem> {
+    let mut chunk = || -> Result<Option<Chunk<'a>>, MeshProblem> {
         let Some(kind) = word(at + 4).filter(|_| at + 8 <= promised) else { return Ok(None) };
         let length = number(at).unwrap_or_default();
         let data = bytes[..promised].get(at + 8..at + 8 + length).ok_or_else(|| {
@@ -46,9 +48,8 @@ pub(super) fn split<'a>(
         at += 8 + length.next_multiple_of(4);
         Ok(Some((data, kind)))
     };
-    let json = match chunk()? {
-        Some((json, [b'J', b'S', b'O', b'N'])) => json,
-        _ => return Err(malformed("header", "the first chunk is not JSON")),
+    let Some((json, [b'J', b'S', b'O', b'N'])) = chunk()? else {
+        return Err(malformed("header", "the first chunk is not JSON"));
     };
     let blob = loop {
         match chunk()? {
@@ -64,22 +65,17 @@ pub(super) fn split<'a>(
 }
 
 /// The document that a JSON text holds.
-pub(super) fn parse(
-    file: &str,
-    mut json: &[u8],
-    reading: &mut Reading,
-) -> Result<Document, MeshProblem> {
+pub(super) fn parse(mut json: &[u8], reading: &mut Reading) -> Result<Document, MeshProblem> {
     if let Some(rest) = json.strip_prefix(b"\xef\xbb\xbf") {
-        reading.note(file, "line 1", "a byte order mark, passed over")?;
+        reading.tolerate("line 1", "a byte order mark")?;
         json = rest;
     }
     // Chunks are filled up with spaces; some programs take zeros.
-    if json.ends_with(b"\0") {
-        reading.note(file, "end of the JSON", "zero bytes, passed over")?;
-        json = json.trim_ascii_end();
-        while let Some(rest) = json.strip_suffix(b"\0") {
-            json = rest;
-        }
+    let is_padding = |byte: &u8| *byte == 0 || byte.is_ascii_whitespace();
+    let end = json.iter().rposition(|byte| !is_padding(byte)).map_or(0, |last| last + 1);
+    if json[end..].contains(&0) {
+        reading.tolerate("end of the JSON", "zero bytes")?;
+        json = &json[..end];
     }
     let document: Document = serde_json::from_slice(json).map_err(|error| {
         let what = error.to_string();
@@ -89,17 +85,19 @@ pub(super) fn parse(
             _ => malformed("document", what),
         }
     })?;
-    let least = document.asset.min_version.as_ref();
     if is_first(&document.asset) {
         return Err(old());
     }
-    match (document.asset.version.as_deref(), least) {
-        (None, _) => {
-            reading.note(file, "asset", "no version; taken for 2.0")?;
-        }
-        (Some(version), _) if !version.starts_with("2.") => return Err(unknown_version(version)),
-        (_, Some(least)) if least != "2.0" => return Err(unknown_version(least)),
-        _ => {}
+    if !matches!(document.asset.version, Some(Version::Text(_))) {
+        reading.tolerate("asset", "a version that is no text")?;
+    }
+    let version = document.asset.version.as_ref().map_or("2.0".to_owned(), Version::to_string);
+    // What is of a later minor version can be read, unless it says that it cannot.
+    let least = document.asset.min_version.as_ref().map_or("2.0".to_owned(), Version::to_string);
+    match (version.starts_with("2."), least.as_str()) {
+        (true, "2.0") => {}
+        (true, least) => return Err(unknown_version(least)),
+        (false, _) => return Err(unknown_version(&version)),
     }
     Ok(document)
 }
@@ -130,7 +128,10 @@ fn is_old(json: &[u8]) -> bool {
 }
 
 fn is_first(asset: &Asset) -> bool {
-    asset.version.as_ref().is_some_and(|version| version == "1" || version.starts_with("1."))
+    asset.version.as_ref().is_some_and(|version| {
+        let version = version.to_string();
+        version == "1" || version.starts_with("1.")
+    })
 }
 
 fn old() -> MeshProblem {
@@ -138,19 +139,15 @@ fn old() -> MeshProblem {
 }
 
 fn unknown_version(version: &str) -> MeshProblem {
-    MeshProblem::Unsupported {
-        what: format!("glTF {version} is"),
-        mend: "convert it to glTF 2.0",
-    }
+    MeshProblem::Unsupported { what: format!("glTF {version} is"), mend: "convert it to glTF 2.0" }
 }
 
 /// The bytes of a data URI after its scheme (RFC 2397): in base64, or percent-encoded.
 pub(super) fn decode_data(text: &str) -> Result<Vec<u8>, String> {
     let (kind, data) = text.split_once(',').ok_or("its data URI has no comma")?;
     let plain: Vec<u8> = percent_encoding::percent_decode_str(data).collect();
-    let is_base64 = kind.rsplit(';').next().is_some_and(|last| {
-        last.trim().eq_ignore_ascii_case("base64")
-    });
+    let is_base64 =
+        kind.rsplit(';').next().is_some_and(|last| last.trim().eq_ignore_ascii_case("base64"));
     if !is_base64 {
         return Ok(plain);
     }

@@ -39,8 +39,25 @@ pub struct Document {
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct Asset {
-    pub(super) version: Option<String>,
-    pub(super) min_version: Option<String>,
+    pub(super) version: Option<Version>,
+    pub(super) min_version: Option<Version>,
+}
+
+/// A version: text, but the format's first one had numbers.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+pub(super) enum Version {
+    Text(String),
+    Number(f64),
+}
+
+impl std::fmt::Display for Version {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Text(text) => f.write_str(text),
+            Self::Number(number) => write!(f, "{number:?}"),
+        }
+    }
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -149,7 +166,7 @@ pub(super) struct Primitive {
     pub(super) targets: Vec<BTreeMap<String, usize>>,
     /// By their names alone.
     #[serde(default)]
-    pub(super) extensions: BTreeMap<String, IgnoredAny>,
+    pub(super) extensions: BTreeMap<String, Option<IgnoredAny>>,
 }
 
 const fn triangles() -> u32 {
@@ -208,7 +225,7 @@ pub(super) struct View {
     pub(super) byte_stride: Option<usize>,
     /// By their names alone.
     #[serde(default)]
-    pub(super) extensions: BTreeMap<String, IgnoredAny>,
+    pub(super) extensions: BTreeMap<String, Option<IgnoredAny>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -367,8 +384,11 @@ impl Material {
 
     /// Whether it has maps other than that of the base colour, which are not read.
     pub fn has_other_maps(&self) -> bool {
-        let others =
-            [&self.normal_texture, &self.emissive_texture, &self.surface.metallic_roughness_texture];
+        let others = [
+            &self.normal_texture,
+            &self.emissive_texture,
+            &self.surface.metallic_roughness_texture,
+        ];
         others.into_iter().any(Option::is_some)
     }
 

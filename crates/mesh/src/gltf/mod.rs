@@ -21,7 +21,8 @@ pub use document::{
     Camera as GltfCamera, Document as GltfDocument, Light as GltfLight, Material as GltfMaterial,
     Texture as GltfTexture,
 };
-pub use nodes::{Matrix, determinant, transform};
+pub use nodes::Matrix;
+use nodes::{determinant, transform};
 pub use parts::{Part, PlacedMesh};
 
 /// The extensions that are read.
@@ -85,8 +86,8 @@ impl GltfFile {
         folder: Option<&Path>,
         reading: &mut Reading,
     ) -> Result<Self, MeshProblem> {
-        let (json, mut blob) = container::split(file, bytes, reading)?;
-        let document = container::parse(file, json, reading)?;
+        let (json, mut blob) = container::split(bytes, reading)?;
+        let document = container::parse(json, reading)?;
         check_extensions(file, &document, reading)?;
         let mut this = Self {
             document,
@@ -154,17 +155,16 @@ impl GltfFile {
             reading.claim(uri.len() as u64)?;
             return container::decode_data(&uri[5..]).map_err(|what| malformed(place, what));
         }
+        let path = percent_encoding::percent_decode_str(uri)
+            .decode_utf8()
+            .map_err(|_| malformed(place, "its path is no text"))?;
         let folder = self.folder.as_ref().ok_or_else(|| MeshProblem::Unsupported {
             what: format!("{place}: a buffer in another file is, for a mesh in memory,"),
             mend: "embed the buffers (.glb)",
         })?;
-        let path = percent_encoding::percent_decode_str(uri)
-            .decode_utf8()
-            .map_err(|_| malformed(place, "its path is no text"))?;
         let (named, slashed) = (folder.join(&*path), path.replace('\\', "/"));
         if slashed != *path && !named.exists() {
-            let what = "a URI with `\\`, read as `/`";
-            reading.note(&self.file, place, what)?;
+            reading.tolerate(place, "a URI with `\\`")?;
             return Ok(reading.file(&folder.join(slashed))?);
         }
         Ok(reading.file(&named)?)
@@ -187,7 +187,6 @@ impl GltfFile {
             (None, None) => Err(malformed(place, "it has neither uri nor bufferView")),
         }
     }
-
 }
 
 /// Refuses a document that needs what is not read, and says what is lost of one that only uses it.
@@ -199,7 +198,8 @@ fn check_extensions(
     let is_unknown = |name: &&String| !EXTENSIONS.contains(&name.as_str());
     let required = &document.extensions_required;
     if let Some(name) = required.iter().find(is_unknown) {
-        let compressed = ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+        let compressed =
+            ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
         return Err(MeshProblem::Unsupported {
             what: format!("{name}, which the document requires, is"),
             mend: match name.as_str() {
@@ -235,6 +235,7 @@ pub(crate) fn parse(bytes: &[u8], input: &mut Input<'_>) -> Result<Raw, MeshProb
                 &own
             }
         };
+        file.check_range(&placed, parts)?;
         // A mirror turns front to back; the corners' order turns it again.
         let order = if determinant(&placed.world) < 0.0 { [0, 2, 1] } else { [0, 1, 2] };
         for part in parts {

@@ -85,7 +85,7 @@ fn roots_shown(
     for &node in &scene.nodes {
         element(&document.nodes, node, "node", &place)?;
         if std::mem::replace(&mut listed[node], true) {
-            reading.note(file, &place, "a node that is listed twice, shown once")?;
+            reading.tolerate(&place, "a node that is listed twice")?;
         }
     }
     let mut roots = Vec::new();
@@ -114,7 +114,11 @@ fn local(
     let has_parts = node.translation.is_some() || node.rotation.is_some() || node.scale.is_some();
     if let Some(matrix) = &node.matrix {
         if has_parts {
-            reading.note(file, &place, "a matrix beside other transforms, which are passed over")?;
+            reading.note(
+                file,
+                &place,
+                "a matrix beside other transforms, which are passed over",
+            )?;
         }
         let matrix: Matrix =
             std::array::from_fn(|column| std::array::from_fn(|row| matrix[4 * column + row]));
@@ -131,15 +135,30 @@ fn local(
         if !(square > 0.0 && square.is_finite()) {
             return Err(malformed(place, "its rotation has no direction"));
         }
-        reading.note(file, &place, "a rotation that is not of unit length, scaled to it")?;
+        reading.tolerate(&place, "a rotation that is not of unit length")?;
         turn = turn.map(|part| part / square.sqrt());
     }
     let [i, j, k, w] = turn;
     let [tx, ty, tz] = node.translation.unwrap_or_default();
     Ok([
-        [(1.0 - 2.0 * (j * j + k * k)) * x, 2.0 * (i * j + w * k) * x, 2.0 * (i * k - w * j) * x, 0.0],
-        [2.0 * (i * j - w * k) * y, (1.0 - 2.0 * (i * i + k * k)) * y, 2.0 * (j * k + w * i) * y, 0.0],
-        [2.0 * (i * k + w * j) * z, 2.0 * (j * k - w * i) * z, (1.0 - 2.0 * (i * i + j * j)) * z, 0.0],
+        [
+            (1.0 - 2.0 * (j * j + k * k)) * x,
+            2.0 * (i * j + w * k) * x,
+            2.0 * (i * k - w * j) * x,
+            0.0,
+        ],
+        [
+            2.0 * (i * j - w * k) * y,
+            (1.0 - 2.0 * (i * i + k * k)) * y,
+            2.0 * (j * k + w * i) * y,
+            0.0,
+        ],
+        [
+            2.0 * (i * k + w * j) * z,
+            2.0 * (j * k - w * i) * z,
+            (1.0 - 2.0 * (i * i + j * j)) * z,
+            0.0,
+        ],
         [tx, ty, tz, 1.0],
     ])
 }
@@ -156,12 +175,12 @@ pub(super) fn multiply(a: &Matrix, b: &Matrix) -> Matrix {
 }
 
 /// Where a matrix carries a point.
-pub fn transform(m: &Matrix, [x, y, z]: [f64; 3]) -> [f64; 3] {
+pub(super) fn transform(m: &Matrix, [x, y, z]: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|row| m[0][row] * x + m[1][row] * y + m[2][row] * z + m[3][row])
 }
 
 /// The determinant of a matrix's linear part; below 0 it mirrors.
-pub fn determinant(m: &Matrix) -> f64 {
+pub(super) fn determinant(m: &Matrix) -> f64 {
     m[0][0] * (m[1][1] * m[2][2] - m[2][1] * m[1][2])
         - m[1][0] * (m[0][1] * m[2][2] - m[2][1] * m[0][2])
         + m[2][0] * (m[0][1] * m[1][2] - m[1][1] * m[0][2])

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::accessor::{Component, Rule};
 use super::document::{Mesh, Primitive};
-use super::nodes::{IDENTITY, Matrix, multiply, transform};
+use super::nodes::{IDENTITY, Matrix, determinant, multiply, transform};
 use super::{GltfFile, element, malformed};
 use crate::error::MeshProblem;
 use crate::reading::Reading;
@@ -51,6 +51,60 @@ pub struct Part {
     pub corners: Vec<[usize; 3]>,
     /// The number of the material.
     pub material: Option<usize>,
+    /// Stands for the part in messages.
+    place: String,
+    /// The box around the corners; none where there are no triangles.
+    bounds: Option<[[f64; 3]; 2]>,
+}
+
+impl Part {
+    /// The part as a matrix carries it. A mirror turns front to back; the corners' order turns it again.
+    #[must_use]
+    pub fn carried(&self, matrix: &Matrix) -> Self {
+        let is_mirror = determinant(matrix) < 0.0;
+        let turned = |&[a, b, c]: &[usize; 3]| if is_mirror { [a, c, b] } else { [a, b, c] };
+        Self {
+            positions: self.positions.iter().map(|&at| transform(matrix, at)).collect(),
+            normals: self.normals.iter().map(|&normal| carried_normal(matrix, normal)).collect(),
+            coordinates: self.coordinates.clone(),
+            corners: self.corners.iter().map(turned).collect(),
+            material: self.material,
+            place: self.place.clone(),
+            bounds: None,
+        }
+    }
+
+    /// Whether all corners are finite in f32 where a matrix carries them.
+    pub(super) fn check_range(&self, matrix: &Matrix) -> Result<(), MeshProblem> {
+        let Some(bounds) = self.bounds else { return Ok(()) };
+        let is_far = |at: [f64; 3]| !at.iter().all(|x| x.abs() <= f64::from(f32::MAX));
+        let of_box = |i: usize| std::array::from_fn(|axis| bounds[i >> axis & 1][axis]);
+        if !(0..8).any(|i| is_far(transform(matrix, of_box(i)))) {
+            return Ok(());
+        }
+        for &vertex in self.corners.iter().flatten() {
+            let at = transform(matrix, self.positions[vertex]);
+            if is_far(at) {
+                let what = format!("vertex {vertex} lies at {at:?}, which is not finite in f32");
+                return Err(malformed(&self.place, what));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The box around the corners; it holds what is not finite, too.
+fn bounds(positions: &[[f64; 3]], corners: &[[usize; 3]]) -> Option<[[f64; 3]; 2]> {
+    let mut vertices = corners.iter().flatten().map(|&vertex| positions[vertex]);
+    let first = vertices.next()?;
+    let pick = |keeps: fn(f64, f64) -> bool, old: [f64; 3], new: [f64; 3]| {
+        std::array::from_fn(
+            |i| if keeps(old[i], new[i]) || old[i].is_nan() { old[i] } else { new[i] },
+        )
+    };
+    Some(vertices.fold([first, first], |[low, high], at| {
+        [pick(|old, new| old <= new, low, at), pick(|old, new| old >= new, high, at)]
+    }))
 }
 
 impl GltfFile {
@@ -77,6 +131,14 @@ impl GltfFile {
     /// The name of a mesh; may be empty.
     pub fn mesh_name(&self, mesh: usize) -> &str {
         self.document.meshes.get(mesh).map_or("", |mesh| &mesh.name)
+    }
+
+    /// Checks that a mesh's corners are finite in f32 where it is placed.
+    ///
+    /// # Errors
+    /// When one is not.
+    pub fn check_range(&self, placed: &PlacedMesh, parts: &[Part]) -> Result<(), MeshProblem> {
+        parts.iter().try_for_each(|part| part.check_range(&placed.world))
     }
 
     /// The triangles of a placed mesh. Points, lines, and what has no positions are left out.
@@ -118,8 +180,10 @@ impl GltfFile {
         self.check_compression(primitive, place)?;
         let texture = self.document.base_texture(primitive.material);
         let set = format!("TEXCOORD_{}", texture.map_or(0, super::document::TextureInfo::set));
-        let mut positions = self.morphed(mesh, placed, primitive, "POSITION", &POINTS, place, reading)?;
-        let mut normals = self.morphed(mesh, placed, primitive, "NORMAL", &POINTS, place, reading)?;
+        let mut positions =
+            self.morphed(mesh, placed, primitive, "POSITION", &POINTS, place, reading)?;
+        let mut normals =
+            self.morphed(mesh, placed, primitive, "NORMAL", &POINTS, place, reading)?;
         let mut coordinates =
             self.morphed::<2>(mesh, placed, primitive, &set, &COORDINATES, place, reading)?;
         if let Some(texture) = texture {
@@ -127,13 +191,18 @@ impl GltfFile {
                 let what = format!("no {set}, which its texture uses: one colour of it is shown");
                 reading.note(&self.file, place, &what)?;
             }
-            coordinates.iter_mut().for_each(|at| *at = texture.carry(*at));
+            for at in &mut coordinates {
+                *at = texture.carry(*at);
+            }
         }
         let count = positions.len();
         for (name, other) in [("NORMAL", normals.len()), (&*set, coordinates.len())] {
             same_count(name, other, count, place)?;
         }
-        self.check_limits(primitive, place, reading)?;
+        let accessor = &self.document.accessors[primitive.attributes["POSITION"]];
+        if accessor.min.is_none() || accessor.max.is_none() {
+            reading.tolerate(place, "positions without min and max")?;
+        }
         if let Some(skin) = placed.skin {
             self.skin(skin, primitive, &mut positions, &mut normals, place, reading)?;
         }
@@ -149,7 +218,11 @@ impl GltfFile {
             return Err(malformed(place, what));
         }
         let corners = corners(primitive.mode, &indices, place)?;
-        Ok(Part { positions, normals, coordinates, corners, material: primitive.material })
+        let bounds = bounds(&positions, &corners);
+        let (material, place) = (primitive.material, place.to_owned());
+        let part = Part { positions, normals, coordinates, corners, material, place, bounds };
+        part.check_range(&IDENTITY)?;
+        Ok(part)
     }
 
     /// Without its data, what is compressed would be read as zeros.
@@ -170,21 +243,6 @@ impl GltfFile {
             what: format!("{place}: {name} without uncompressed data is"),
             mend: "export it without compression",
         })
-    }
-
-    /// The specification asks for the limits of positions; they say nothing new.
-    fn check_limits(
-        &self,
-        primitive: &Primitive,
-        place: &str,
-        reading: &mut Reading,
-    ) -> Result<(), MeshProblem> {
-        let accessor = primitive.attributes.get("POSITION");
-        let accessor = accessor.and_then(|&number| self.document.accessors.get(number));
-        if accessor.is_some_and(|accessor| accessor.min.is_none() || accessor.max.is_none()) {
-            reading.note(&self.file, place, "positions without min and max, read all the same")?;
-        }
-        Ok(())
     }
 
     /// An attribute of a primitive, with its morph targets added by their weights; empty where the
@@ -267,7 +325,8 @@ impl GltfFile {
             if (0.99..=1.01).contains(&sum) {
                 *matrix = matrix.map(|column| column.map(|x| x / sum));
             } else if sum == 0.0 {
-                let what = "vertices of a skinned mesh without joints, left where the mesh has them";
+                let what =
+                    "vertices of a skinned mesh without joints, left where the mesh has them";
                 reading.note(&self.file, place, what)?;
                 *matrix = IDENTITY;
             } else {
@@ -293,13 +352,17 @@ impl GltfFile {
             None => vec![IDENTITY; skin.joints.len()],
             Some(accessor) => {
                 let matrices = self.numbers::<16>(accessor, &MATRICES, &place, reading)?;
-                let column = |all: &[f64; 16], i: usize| std::array::from_fn(|row| all[4 * i + row]);
+                let column =
+                    |all: &[f64; 16], i: usize| std::array::from_fn(|row| all[4 * i + row]);
                 matrices.iter().map(|all| std::array::from_fn(|i| column(all, i))).collect()
             }
         };
         if inverse.len() < skin.joints.len() {
             let (joints, matrices) = (skin.joints.len(), inverse.len());
-            return Err(malformed(place, format!("it has {joints} joints and {matrices} matrices")));
+            return Err(malformed(
+                place,
+                format!("it has {joints} joints and {matrices} matrices"),
+            ));
         }
         let joints = skin.joints.iter().zip(&inverse).map(|(&joint, inverse)| {
             element(&self.worlds, joint, "node", &place).map(|world| multiply(world, inverse))
@@ -321,7 +384,7 @@ fn carried_normal(m: &Matrix, n: [f64; 3]) -> [f64; 3] {
         [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     };
     let columns = [cross(&m[1], &m[2]), cross(&m[2], &m[0]), cross(&m[0], &m[1])];
-    let sign = super::determinant(m).signum();
+    let sign = determinant(m).signum();
     std::array::from_fn(|row| sign * (0..3).map(|i| columns[i][row] * n[i]).sum::<f64>())
 }
 
