@@ -10,7 +10,7 @@ pub(crate) const STRICT: ReadOptions =
 pub(crate) type Corners = [[f32; 3]; 3];
 
 pub(crate) fn corners(mesh: &Mesh) -> Vec<Corners> {
-    mesh.triangles.iter().map(|t| t.corners().map(|corner| corner.to_array())).collect()
+    mesh.triangles.iter().map(|t| t.corners().map(trisect_core::Vec3::to_array)).collect()
 }
 
 pub(crate) const O: [f32; 3] = [0.0; 3];

@@ -31,7 +31,7 @@ fn compressed_meshes_are_read_where_the_plain_data_are_there() {
     assert!(error.to_string().contains("EXT_meshopt_compression without"), "{error}");
     for name in ["EXT_meshopt_compression", "KHR_texture_basisu", "X_other"] {
         let mut document = Document::new(&[]);
-        document.more += &format!(r#", "extensionsRequired": ["{name}", "X_more"]"#);
+        document.more = format!(r#"{}, "extensionsRequired": ["{name}", "X_more"]"#, document.more);
         document.is_refused(&format!("m: {name}, which the document requires, is not supported; "));
     }
 }
@@ -40,7 +40,8 @@ fn compressed_meshes_are_read_where_the_plain_data_are_there() {
 fn data_uris_are_read_in_all_their_forms() {
     let document = Document::new(&[]);
     let (text, data) = (document.text(), BASE64.encode(&document.bytes));
-    let percent: String = document.bytes.iter().map(|byte| format!("%{byte:02x}")).collect();
+    let percent: Vec<String> = document.bytes.iter().map(|byte| format!("%{byte:02x}")).collect();
+    let percent = percent.concat();
     let padded = format!("{data}AAA");
     for uri in [
         format!("data:application/octet-stream;base64,{data}"),
@@ -162,7 +163,7 @@ fn what_departs_without_doubt_is_read_unless_strictly() {
         match (Mesh::from_bytes("m", MeshFormat::Gltf, text.as_bytes()), expected) {
             (Ok(mesh), None) => assert_eq!(corners(&mesh), [[O, X, Y]]),
             (Err(error), Some(expected)) => {
-                assert!(error.to_string().starts_with(expected), "{error}")
+                assert!(error.to_string().starts_with(expected), "{error}");
             }
             (found, _) => panic!("{version}: {found:?}"),
         }
