@@ -1,10 +1,10 @@
 //! A scene that is being put together in f64, and moved to near 0 before it is rounded.
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat2, DMat3, DVec2, DVec3, Vec3};
 
 use crate::camera::{Camera, Lens, length};
 use crate::mesh::Mesh;
-use crate::model::{Instance, Light, Scene, Sphere};
+use crate::model::{Instance, Light, Plane, Scene, Sphere};
 
 /// What is further from 0 than so many times its size is moved.
 const FAR: f64 = 16.0;
@@ -31,6 +31,8 @@ pub(crate) struct Draft {
     centers: Vec<DVec3>,
     /// Where cameras and lights are.
     viewpoints: Vec<DVec3>,
+    /// The diagonal of the box around all of these.
+    reach: f64,
 }
 
 impl Draft {
@@ -40,6 +42,7 @@ impl Draft {
             places: Vec::new(),
             centers: Vec::new(),
             viewpoints: Vec::new(),
+            reach: 0.0,
         }
     }
 
@@ -97,6 +100,7 @@ impl Draft {
             add(&mut bounds, at);
         }
         scene.origin = bounds.map_or(DVec3::ZERO, near_origin);
+        self.reach = bounds.map_or(0.0, |[low, high]| low.distance(high));
         let mut moved = 0.0_f64;
         let rounded = |at: DVec3| {
             let near = at.as_vec3();
@@ -126,6 +130,33 @@ impl Draft {
     /// A position of the files, in the scene.
     pub(crate) fn local(&self, at: DVec3) -> Vec3 {
         (at - self.scene.origin).as_vec3()
+    }
+
+    /// Adds a plane; its point is given apart. Where the scene was moved away from the point, another of
+    /// its points takes its place, from which the plane's texture is the same.
+    pub(crate) fn put_plane(&mut self, plane: Plane, point: DVec3) {
+        let mut point = point - self.scene.origin;
+        if self.scene.origin != DVec3::ZERO && point.length() > FAR * self.reach {
+            let normal = plane.normal.as_dvec3();
+            let to_foot = normal * (point.dot(normal) / normal.length_squared()) - point;
+            let texture = self.scene.materials[plane.material].texture;
+            let by = texture.map_or(to_foot, |texture| {
+                let scale = self.scene.textures[texture].scale.as_dvec2();
+                let [right, down] = plane.axes().map(|axis| axis.as_dvec3());
+                // Whole periods along each axis; the axes are rounded, so not quite at right angles.
+                let axes = DMat2::from_cols(
+                    DVec2::new(right.dot(right), down.dot(right)),
+                    DVec2::new(right.dot(down), down.dot(down)),
+                );
+                let along = DVec2::new(to_foot.dot(right), to_foot.dot(down));
+                let whole =
+                    DVec2::select(scale.cmpeq(DVec2::ZERO), along, (along * scale).round() / scale);
+                let by = axes.inverse() * whole;
+                right * by.x + down * by.y
+            });
+            point += by - normal * (by.dot(normal) / normal.length_squared());
+        }
+        self.scene.planes.push(Plane { point: point.as_vec3(), ..plane });
     }
 
     /// The scene, with a camera and light where there are none.

@@ -194,3 +194,15 @@ pub struct Plane {
     /// Its material.
     pub material: usize,
 }
+
+impl Plane {
+    /// The axes of coordinates on it, from its point, in the world's units; on a floor they are x and z.
+    pub fn axes(&self) -> [Vec3; 2] {
+        let right = if self.normal.y.abs() > 0.9 {
+            Vec3::X.reject_from_normalized(self.normal).normalize()
+        } else {
+            Vec3::Y.cross(self.normal).normalize()
+        };
+        [right, right.cross(self.normal)]
+    }
+}

@@ -198,12 +198,10 @@ pub(crate) fn parse(
     }
     draft.settle();
     for plane in &tables.plane {
-        let plane = Plane {
-            point: draft.local(reader.position(&plane.point, "point")?),
-            normal: reader.direction(&plane.normal, "normal")?,
-            material: reader.named(&plane.material, "material", &materials)?,
-        };
-        draft.scene.planes.push(plane);
+        let point = reader.position(&plane.point, "point")?;
+        let normal = reader.direction(&plane.normal, "normal")?;
+        let material = reader.named(&plane.material, "material", &materials)?;
+        draft.put_plane(Plane { point: Vec3::ZERO, normal, material }, point);
     }
     for camera in &tables.camera {
         let camera = reader.camera(camera, &draft)?;

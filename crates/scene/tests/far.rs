@@ -93,6 +93,35 @@ fn a_scene_far_away_is_the_one_nearby() {
 }
 
 #[test]
+fn a_plane_may_be_given_by_a_point_far_away() {
+    let text = |texture: &str| {
+        format!(
+            "[[camera]]\nkind = 'pinhole'\neye = [1e6, 0, 3]\nlook_at = [1e6, 0, 0]\nfield_of_view = 40\n\
+             [texture.t]\nchecker = [[0, 0, 0], [1, 1, 1]]\nscale = [0.75, 0.3]\n[material.a]\n{texture}\n\
+             [[sphere]]\ncenter = [1e6, 0, 0]\nradius = 1\nmaterial = 'a'\n\
+             [[plane]]\npoint = [0, 1, 0.5]\nnormal = [0.3, 1, 0.2]\nmaterial = 'a'\n"
+        )
+    };
+    for texture in ["", "texture = 't'"] {
+        let scene = Scene::from_toml("s.toml", &text(texture), None).expect("it is sound");
+        let plane = &scene.planes[0];
+        let was = DVec3::new(0.0, 1.0, 0.5) - scene.origin;
+        let by = plane.point.as_dvec3() - was;
+        // In the plane as exactly as f32 allows at its distance, and as near as can be.
+        let height = was.dot(plane.normal.as_dvec3());
+        assert!((plane.point.as_dvec3().dot(plane.normal.as_dvec3()) - height).abs() < 0.05);
+        assert!(f64::from(plane.point.length()) - height.abs() < 5.0, "{}", plane.point);
+        if !texture.is_empty() {
+            // By whole repeats of the texture.
+            for (axis, scale) in plane.axes().into_iter().zip([0.75_f32, 0.3_f32]) {
+                let repeats = by.dot(axis.as_dvec3()) * f64::from(scale);
+                assert!((repeats - repeats.round()).abs() < 0.01, "{repeats}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_scene_of_another_size_has_the_same_proportions() {
     for (at, own) in [(DVec3::ZERO, DVec3::ZERO), (DVec3::splat(1e6), DVec3::new(0.0, 3e5, 0.0))] {
         let whole = scene(at, own, 1.0);
