@@ -7,6 +7,7 @@ mod gltf;
 mod mesh;
 mod obj;
 mod ply;
+mod quote;
 mod reading;
 mod stl;
 mod text;
@@ -18,5 +19,6 @@ pub use gltf::{
 };
 pub use mesh::{Bounds, Mesh, MeshFormat};
 pub use obj::{ObjCorner, ObjFile, ObjLine, ObjTriangle};
+pub use quote::{cut, quoted};
 pub use reading::{Note, ReadOptions, ReadProblem, Reading};
 pub use text::{lines, without_comment};

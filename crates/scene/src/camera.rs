@@ -68,7 +68,7 @@ pub(crate) fn length(vector: Vec3) -> f32 {
 }
 
 /// The power of two that the largest part of a vector is 1 to 2 times; 1 where there is none.
-fn power_of_two(vector: Vec3) -> f32 {
+pub(crate) fn power_of_two(vector: Vec3) -> f32 {
     let power = f32::from_bits(vector.abs().max_element().to_bits() & 0x7f80_0000);
     if power > 0.0 && power.is_finite() { power } else { 1.0 }
 }

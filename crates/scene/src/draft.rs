@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat2, DMat3, DVec2, DVec3, Vec3};
 
 use crate::camera::{Camera, Lens, length};
+use crate::error::SceneProblem;
 use crate::mesh::Mesh;
 use crate::model::{Instance, Light, Plane, Scene, Sphere};
 
@@ -142,7 +143,7 @@ impl Draft {
             let texture = self.scene.materials[plane.material].texture;
             let by = texture.map_or(to_foot, |texture| {
                 let scale = self.scene.textures[texture].scale.as_dvec2();
-                let [right, down] = plane.axes().map(|axis| axis.as_dvec3());
+                let [right, down] = plane.axes().map(Vec3::as_dvec3);
                 // Whole periods along each axis; the axes are rounded, so not quite at right angles.
                 let axes = DMat2::from_cols(
                     DVec2::new(right.dot(right), down.dot(right)),
@@ -160,11 +161,14 @@ impl Draft {
     }
 
     /// The scene, with a camera and light where there are none.
-    pub(crate) fn complete(self) -> Scene {
+    ///
+    /// # Errors
+    /// When the scene is so large that no camera in the range of f32 sees all of it.
+    pub(crate) fn complete(self) -> Result<Scene, SceneProblem> {
         let mut scene = self.scene;
-        let [low, high] = scene.bounds().unwrap_or([Vec3::NEG_ONE, Vec3::ONE]);
-        let (middle, radius) = ((low + high) * 0.5, length(high - low) * 0.5);
         if scene.cameras.is_empty() {
+            let [low, high] = scene.bounds().unwrap_or([Vec3::NEG_ONE, Vec3::ONE]);
+            let (middle, radius) = (low * 0.5 + high * 0.5, length(high * 0.5 - low * 0.5));
             let field_of_view = 40.0_f32.to_radians();
             let distance = radius / (field_of_view * 0.5).sin();
             let towards = Vec3::new(0.45, 0.35, 1.0).normalize();
@@ -172,7 +176,11 @@ impl Draft {
             // A single point is looked at from where it is.
             let camera = Camera::looking(eye, middle, Vec3::Y, lens)
                 .or_else(|| Camera::towards(eye, -towards, Vec3::Y, lens));
-            scene.cameras.extend(camera);
+            let camera = camera.filter(|camera| camera.eye.is_finite()).ok_or_else(|| {
+                let what = "the scene is too large to be looked at";
+                SceneProblem::faulty("scene", "camera", what, "make it smaller, or add a camera")
+            })?;
+            scene.cameras.push(camera);
         }
         if scene.lights.is_empty()
             && let Some(camera) = scene.cameras.first()
@@ -184,7 +192,7 @@ impl Draft {
             scene.background = Vec3::new(0.75, 0.80, 0.86);
             scene.zenith = Vec3::new(0.30, 0.45, 0.70);
         }
-        scene
+        Ok(scene)
     }
 }
 

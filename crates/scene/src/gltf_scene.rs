@@ -314,8 +314,7 @@ fn mesh_of(name: &str, parts: &[Part], plain: usize) -> Mesh {
         .collect();
     let mut mesh = Mesh::near(name, &exact);
     let of_parts = parts.iter().flat_map(|part| part.corners.iter().map(move |c| (part, c)));
-    for (triangle, (part, corners)) in mesh.triangles.iter().zip(of_parts) {
-        let own = Vec3::from(triangle.normal()).normalize_or_zero();
+    for (own, (part, corners)) in mesh.own_normals().zip(of_parts) {
         mesh.materials.push(part.material.unwrap_or(plain));
         if has_normals {
             let normal = |corner: usize| {

@@ -56,7 +56,13 @@ impl Scene {
     fn read(path: &Path, reading: &mut Reading) -> Result<Self, SceneError> {
         let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
         if ending.eq_ignore_ascii_case("toml") {
-            let text = read_text(path, reading)?;
+            let mut text = read_text(path, reading)?;
+            if text.contains('\r') && !text.contains('\n') {
+                let fail =
+                    |problem| SceneProblem::Unread(problem).of_file(path.display().to_string());
+                reading.tolerate("file", "line ends of CR alone").map_err(fail)?;
+                text = text.replace('\r', "\n");
+            }
             return toml_file::parse(&path.display().to_string(), &text, path.parent(), reading);
         }
         let mut draft = Draft::new();
@@ -75,7 +81,7 @@ impl Scene {
             }
             None => return Err(SceneProblem::UnknownType.of_file(path.display().to_string())),
         }
-        Ok(draft.complete())
+        draft.complete().map_err(|problem| problem.of_file(path.display().to_string()))
     }
 
     /// Reads a scene in this crate's format from memory; `name` stands for the file in messages, and

@@ -58,8 +58,7 @@ pub(crate) fn load(
         Triangle::new(a, b, c)
     });
     let mut mesh = Mesh::near(stem, &exact.collect::<Vec<_>>());
-    for (number, triangle) in triangles.iter().enumerate() {
-        let own = Vec3::from(mesh.triangles[number].normal()).normalize_or_zero();
+    for (triangle, own) in triangles.iter().zip(mesh.own_normals()) {
         mesh.materials.push(triangle.material.map_or(grey, |place| materials[place]));
         if has_normals {
             let normal = |normal: Option<[f32; 3]>| Vec3::from(normal.unwrap_or_default());

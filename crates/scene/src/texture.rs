@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
-use trisect_mesh::{ReadProblem, Reading};
+use trisect_mesh::{ReadProblem, Reading, cut};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
@@ -83,8 +83,8 @@ impl Texture {
                 ),
             ) => Err(problem),
             Err(problem) => {
-                let what = format!("a texture that cannot be read, left out: {problem}");
-                reading.note(file, place, &what)?;
+                let place = format!("{place}: {}", cut(&problem.to_string(), 300));
+                reading.note(file, &place, "textures that cannot be read, left out")?;
                 Ok(None)
             }
         }
@@ -129,6 +129,10 @@ fn decode_png(bytes: &[u8], reading: &mut Reading) -> Result<Pixels, SceneProble
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(|error| faulty(&error))?;
     let info = reader.info();
+    // The library copies a palette without asking how long it is.
+    if info.palette.as_ref().is_some_and(|palette| palette.len() > 768 || palette.len() % 3 != 0) {
+        return Err(faulty(&"its palette is not of 1 to 256 colours"));
+    }
     let size = [info.width as usize, info.height as usize];
     let packed = info.raw_bytes() as u64;
     check_size(size, packed, MOST_OF_DEFLATE.saturating_mul(bytes.len() as u64))?;
@@ -315,6 +319,75 @@ mod tests {
         file[marker + 5..marker + 9].copy_from_slice(&[0x40, 0, 0x40, 0]);
         let error = decode(&file).expect_err("268 million pixels").to_string();
         assert!(error.contains("cut off: its header promises 16384 × 16384"), "{error}");
+    }
+
+    #[test]
+    fn a_palette_of_any_length_is_read_or_refused() {
+        for (length, is_sound) in [(48, true), (3, true), (768, true), (5, false), (771, false)] {
+            let mut file = Vec::new();
+            let mut encoder = png::Encoder::new(&mut file, 4, 1);
+            encoder.set_color(png::ColorType::Indexed);
+            encoder.set_palette(vec![7; length]);
+            encoder.set_trns(vec![9; 16]);
+            let mut writer = encoder.write_header().expect("it is written");
+            writer.write_image_data(&[0, 1, 2, 255]).expect("it is written");
+            drop(writer);
+            assert_eq!(decode(&file).is_ok(), is_sound, "{length}");
+        }
+    }
+
+    /// Every byte of pictures of all kinds, changed.
+    #[test]
+    fn a_changed_byte_of_a_picture_never_panics() {
+        let colors = [
+            (png::ColorType::Grayscale, png::BitDepth::One, 1),
+            (png::ColorType::GrayscaleAlpha, png::BitDepth::Eight, 32),
+            (png::ColorType::Indexed, png::BitDepth::Four, 8),
+            (png::ColorType::Rgb, png::BitDepth::Sixteen, 96),
+            (png::ColorType::Rgba, png::BitDepth::Eight, 64),
+        ];
+        let mut pictures: Vec<Vec<u8>> = colors
+            .into_iter()
+            .map(|(color, depth, bytes)| {
+                let mut file = Vec::new();
+                let mut encoder = png::Encoder::new(&mut file, if bytes == 1 { 8 } else { 16 }, 1);
+                encoder.set_color(color);
+                encoder.set_depth(depth);
+                if color == png::ColorType::Indexed {
+                    encoder.set_palette(vec![7; 48]);
+                    encoder.set_trns(vec![0; 16]);
+                }
+                let mut writer = encoder.write_header().expect("it is written");
+                let pixels: Vec<u8> = (0..bytes).map(|i: u8| i.wrapping_mul(3)).collect();
+                writer.write_image_data(&pixels).expect("it is written");
+                writer.finish().expect("it is written");
+                file
+            })
+            .collect();
+        for is_progressive in [false, true] {
+            let mut file = Vec::new();
+            let mut encoder = jpeg_encoder::Encoder::new(&mut file, 60);
+            encoder.set_progressive(is_progressive);
+            let pixels: Vec<u8> = (0..24 * 16 * 3_u32).map(|i| (i % 251) as u8).collect();
+            encoder.encode(&pixels, 24, 16, jpeg_encoder::ColorType::Rgb).expect("it is written");
+            pictures.push(file);
+        }
+        let options = ReadOptions { max_memory: 64 << 20, ..ReadOptions::default() };
+        let decode = |bytes: &[u8]| {
+            let mut reading = Reading::new(&options);
+            Texture::decode(bytes, "picture", &mut reading).map(|_| reading.into_notes().len())
+        };
+        for mut picture in pictures {
+            assert_eq!(decode(&picture).expect("it is sound"), 0);
+            for at in 0..picture.len() {
+                let sound = picture[at];
+                for change in [0, 1, 3, 0x7f, 0x80, 0xff] {
+                    picture[at] = change;
+                    assert!(decode(&picture).unwrap_or_default() <= 1);
+                }
+                picture[at] = sound;
+            }
+        }
     }
 
     #[test]

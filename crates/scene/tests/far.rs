@@ -177,3 +177,39 @@ fn the_shipped_scenes_stay_where_they_are() {
         }
     }
 }
+
+#[test]
+fn normals_follow_no_size() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("m.obj");
+    let load = |exponent: i32| {
+        fs::write(&path, obj(DVec3::ZERO, 2.0_f64.powi(exponent))).expect("it is written");
+        Scene::load(&path).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let text = |exponent: i32| {
+        fs::write(&path, obj(DVec3::ZERO, 2.0_f64.powi(exponent))).expect("it is written");
+        let text = "[[camera]]\nkind = 'pinhole'\neye = [0, 0, 1]\nlook_at = [0, 0, 0]\n\
+                    field_of_view = 40\n[mesh.m]\nfile = 'm.obj'\n";
+        Scene::from_toml("s.toml", text, Some(folder.path())).expect("it is sound")
+    };
+    let whole = load(0).meshes[0].clone().with_smooth_normals().normals;
+    assert!(whole.iter().flatten().all(|normal| (normal.length() - 1.0).abs() < 1e-6));
+    for exponent in [-100, -60, 40, 100] {
+        assert_eq!(load(exponent).meshes[0].clone().with_smooth_normals().normals, whole);
+        assert_eq!(text(exponent).meshes[0].clone().with_smooth_normals().normals, whole);
+    }
+}
+
+#[test]
+fn what_is_too_large_to_be_looked_at_is_refused_in_words() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("m.obj");
+    fs::write(&path, "v 3e38 0 0\nv -3e38 0 0\nv 0 3e38 0\nf 1 2 3\n").expect("it is written");
+    let error = Scene::load(&path).expect_err("no camera").to_string();
+    let expected =
+        "scene: camera: the scene is too large to be looked at; make it smaller, or add a camera";
+    assert!(error.ends_with(expected), "{error}");
+    // With one it is a scene like others.
+    fs::write(&path, "v 3e37 0 0\nv -3e37 0 0\nv 0 3e37 0\nf 1 2 3\n").expect("it is written");
+    assert!(Scene::load(&path).expect("it is in range").cameras[0].eye.is_finite());
+}

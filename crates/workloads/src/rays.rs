@@ -14,7 +14,7 @@ use std::io::{Read, Write};
 use std::path::Path;
 
 use trisect_core::{Ray, Vec3};
-use trisect_mesh::{ReadOptions, ReadProblem, Reading};
+use trisect_mesh::{ReadOptions, ReadProblem, Reading, cut, quoted};
 
 /// Rays in both precisions, each rounded once from what the file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -193,7 +193,7 @@ fn parse_csv(bytes: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProble
         header.iter().filter_map(|name| COLUMNS.iter().position(|column| column == name)).collect();
     let ordered = slots.len() == header.len() && slots.windows(2).all(|pair| pair[0] < pair[1]);
     if !ordered || !(0..6).all(|column| slots.contains(&column)) {
-        return Err(RaysProblem::Header { found: shown(&header.join(",")) });
+        return Err(RaysProblem::Header { found: quoted(&header.join(",")) });
     }
     while csv.read_record(&mut record).map_err(csv_problem)? {
         let line = record.position().map_or(0, csv::Position::line);
@@ -207,9 +207,9 @@ fn parse_csv(bytes: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProble
             let place = || format!("line {line}");
             (wide[slot], narrow[slot]) =
                 text.parse().ok().zip(text.parse().ok()).ok_or_else(|| {
-                    value_problem(place(), slot, format!("`{}` is not a number", shown(text)))
+                    value_problem(place(), slot, format!("`{}` is not a number", quoted(text)))
                 })?;
-            check(slot, narrow[slot], place, || format!("`{text}`"))?;
+            check(slot, narrow[slot], place, || format!("`{}`", quoted(text)))?;
         }
         reading.claim(OF_RAY)?;
         file.rays.push(ray(wide));
@@ -218,28 +218,9 @@ fn parse_csv(bytes: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProble
     Ok(file)
 }
 
-/// What a file says, fit for a message of one line: a quoted field may hold line ends, and a file
-/// that is no CSV anything of any length.
-fn shown(text: &str) -> String {
-    const LONGEST: usize = 60;
-    let mut shown = String::new();
-    for (place, c) in text.chars().enumerate() {
-        if place == LONGEST {
-            shown.push('…');
-            break;
-        }
-        if c.is_control() {
-            shown.extend(c.escape_default());
-        } else {
-            shown.push(c);
-        }
-    }
-    shown
-}
-
 fn csv_problem(error: csv::Error) -> RaysProblem {
     let line = error.position().map_or(0, csv::Position::line);
-    let what = error.to_string();
+    let what = cut(&error.to_string(), 200);
     match error.into_kind() {
         csv::ErrorKind::Io(error) => ReadProblem::Unreadable(error).into(),
         _ => RaysProblem::Malformed { line, what },

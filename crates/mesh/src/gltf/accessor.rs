@@ -3,6 +3,7 @@
 use super::document::Accessor;
 use super::{Buffer, GltfFile, element, malformed};
 use crate::error::MeshProblem;
+use crate::quote::quoted;
 use crate::reading::Reading;
 
 /// The type of an accessor's numbers.
@@ -225,7 +226,7 @@ impl GltfFile {
                 return Err(match compression {
                     None => MeshProblem::Missing { what: what.clone() },
                     Some(name) => MeshProblem::Unsupported {
-                        what: format!("{place}: {name} without uncompressed data is"),
+                        what: format!("{place}: {} without uncompressed data is", quoted(name)),
                         mend: "export it without compression",
                     },
                 });

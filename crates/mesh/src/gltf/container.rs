@@ -9,6 +9,7 @@ use serde::de::IgnoredAny;
 use super::document::{Asset, Document, Version};
 use super::malformed;
 use crate::error::MeshProblem;
+use crate::quote::{cut, quoted};
 use crate::reading::Reading;
 
 /// A part of a binary file, and its kind.
@@ -78,7 +79,7 @@ pub(super) fn parse(mut json: &[u8], reading: &mut Reading) -> Result<Document, 
         json = &json[..end];
     }
     let document: Document = serde_json::from_slice(json).map_err(|error| {
-        let what = error.to_string();
+        let what = cut(&error.to_string(), 200);
         match error.classify() {
             serde_json::error::Category::Eof => MeshProblem::Truncated { what },
             _ if is_old(json) => old(),
@@ -139,7 +140,10 @@ fn old() -> MeshProblem {
 }
 
 fn unknown_version(version: &str) -> MeshProblem {
-    MeshProblem::Unsupported { what: format!("glTF {version} is"), mend: "convert it to glTF 2.0" }
+    MeshProblem::Unsupported {
+        what: format!("glTF {} is", quoted(version)),
+        mend: "convert it to glTF 2.0",
+    }
 }
 
 /// The bytes of a data URI after its scheme (RFC 2397): in base64, or percent-encoded.

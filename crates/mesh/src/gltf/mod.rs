@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use crate::error::MeshProblem;
 use crate::faces::{Corner, Raw, Vertex};
 use crate::mesh::Source as Input;
+use crate::quote::{cut, quoted};
 use crate::reading::{ReadProblem, Reading};
 
 pub use document::{
@@ -59,7 +60,8 @@ enum Buffer {
 }
 
 fn malformed(place: impl Into<String>, what: impl Into<String>) -> MeshProblem {
-    MeshProblem::Malformed { place: place.into(), what: what.into() }
+    // It may quote the document.
+    MeshProblem::Malformed { place: place.into(), what: cut(&what.into(), 200) }
 }
 
 /// The element of a list, or the message that there is none.
@@ -201,7 +203,7 @@ fn check_extensions(
         let compressed =
             ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
         return Err(MeshProblem::Unsupported {
-            what: format!("{name}, which the document requires, is"),
+            what: format!("{}, which the document requires, is", quoted(name)),
             mend: match name.as_str() {
                 name if compressed.contains(&name) => "export it without compression",
                 "KHR_texture_basisu" => "export it with textures in PNG or JPEG",
@@ -210,7 +212,11 @@ fn check_extensions(
         });
     }
     for name in document.extensions_used.iter().filter(is_unknown) {
-        reading.remark(file, name, "an extension that is not read: what it adds is left out");
+        reading.remark(
+            file,
+            &quoted(name),
+            "an extension that is not read: what it adds is left out",
+        );
     }
     if !document.animations.is_empty() {
         reading.remark(file, "animation 0", "animations are not played");

@@ -7,6 +7,7 @@ use super::document::{Mesh, Primitive};
 use super::nodes::{IDENTITY, Matrix, determinant, multiply, transform};
 use super::{GltfFile, element, malformed};
 use crate::error::MeshProblem;
+use crate::quote::quoted;
 use crate::reading::Reading;
 
 const FLOAT: (Component, bool) = (Component::F32, false);
@@ -188,8 +189,9 @@ impl GltfFile {
             self.morphed::<2>(mesh, placed, primitive, &set, &COORDINATES, place, reading)?;
         if let Some(texture) = texture {
             if coordinates.is_empty() && !positions.is_empty() {
-                let what = format!("no {set}, which its texture uses: one colour of it is shown");
-                reading.note(&self.file, place, &what)?;
+                let what =
+                    "no coordinates of the set that the texture uses: one colour of it is shown";
+                reading.note(&self.file, &format!("{place}, {set}"), what)?;
             }
             for at in &mut coordinates {
                 *at = texture.carry(*at);
@@ -240,7 +242,7 @@ impl GltfFile {
             return Ok(());
         }
         Err(MeshProblem::Unsupported {
-            what: format!("{place}: {name} without uncompressed data is"),
+            what: format!("{place}: {} without uncompressed data is", quoted(name)),
             mend: "export it without compression",
         })
     }

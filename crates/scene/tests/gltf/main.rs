@@ -78,7 +78,7 @@ fn coordinates_are_of_the_set_that_the_texture_uses_and_carried_as_it_says() {
     // The transform may name another set.
     let (_folder, path) = changed("texture-transform.gltf", "[4, 4]", r#"[4, 4], "texCoord": 1"#);
     let scene = Scene::load(&path).expect("it is sound");
-    let missing = "no TEXCOORD_1, which its texture uses: one colour of it is shown";
+    let missing = "no coordinates of the set that the texture uses: one colour of it is shown";
     assert_eq!(notes(&scene), [missing]);
     assert!(Scene::load_with(&path, &STRICT).is_err());
     // What is no transform is none.
@@ -90,14 +90,9 @@ fn coordinates_are_of_the_set_that_the_texture_uses_and_carried_as_it_says() {
 #[test]
 fn without_its_picture_a_surface_has_its_factor() {
     for (file, from, to, what) in [
-        (
-            "datauri.gltf",
-            "iVBORw0K",
-            "AAAAAAAA",
-            "texture that cannot be read, left out: picture: ",
-        ),
-        ("percent.gltf", "my%20tex.png", "gone.png", "left out: cannot be read (No such file"),
-        ("percent.gltf", "my%20tex.png", "..", "left out: is not a regular file"),
+        ("datauri.gltf", "iVBORw0K", "AAAAAAAA", "picture: PNG or JPEG: "),
+        ("percent.gltf", "my%20tex.png", "gone.png", "cannot be read (No such file"),
+        ("percent.gltf", "my%20tex.png", "..", "is not a regular file"),
         ("percent.gltf", r#"{"uri": "my%20tex.png"}"#, "{}", "it has neither uri nor bufferView"),
         (
             "percent.gltf",
@@ -105,12 +100,14 @@ fn without_its_picture_a_surface_has_its_factor() {
             r#"{"bufferView": 9}"#,
             "bufferView 9 is out",
         ),
-        ("percent.gltf", r#"{"source": 0}"#, "{}", "left out: image: source: there is none"),
+        ("percent.gltf", r#"{"source": 0}"#, "{}", "image: source: there is none"),
         ("percent.gltf", r#"{"source": 0}"#, r#"{"source": 7}"#, "image 7 is out of range"),
     ] {
         let (_folder, path) = changed(file, from, to);
         let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
-        assert!(notes(&scene)[0].contains(what), "{:?}", notes(&scene));
+        let note = &scene.notes[0];
+        assert_eq!((notes(&scene)[0], note.count), ("textures that cannot be read, left out", 1));
+        assert!(note.first.starts_with("texture 0: ") && note.first.contains(what), "{note}");
         assert_eq!(scene.materials[0].texture, None);
         assert_eq!(scene.materials[0].diffuse, Vec3::ONE);
         assert!(Scene::load_with(&path, &STRICT).is_err(), "{to}");
