@@ -117,8 +117,7 @@ impl Raw {
         source: &mut Source<'_>,
         mut take: impl FnMut(usize, [[f64; 3]; 3], [usize; 3]),
     ) -> Result<(), MeshProblem> {
-        let is_finite = |vertex: &Vertex| vertex.at.iter().all(|x| x.abs() <= LARGEST);
-        let all_finite = self.vertices.iter().all(is_finite);
+        let all_finite = self.vertices.iter().flat_map(|vertex| vertex.at).all(is_finite);
         let mut splitter = Splitter::default();
         let mut polygon = Vec::new();
         for (number, face) in self.faces.iter().enumerate() {
@@ -139,15 +138,23 @@ impl Raw {
                     for corner in face.corners.clone() {
                         polygon.push(at(corner)?);
                     }
-                    source.reading.claim_for(polygon.len(), Splitter::BYTES)?;
                     let (shape, triangles) = splitter.split(&polygon);
                     let what = match shape {
                         Shape::Simple => None,
                         Shape::Flat => Some("a polygon without area is left out"),
                         Shape::Crossing => Some(
-                            "a polygon whose outline crosses itself is taken as a fan of triangles \
-                             from its first corner",
+                            "a polygon whose outline crosses itself, seen along its normal, is \
+                             taken as a fan of triangles from its first corner",
                         ),
+                        Shape::TooLarge => {
+                            let (corners, most) = (polygon.len(), Splitter::MOST);
+                            return Err(MeshProblem::Unsupported {
+                                what: format!(
+                                    "face {place}: {corners} corners, more than {most}, are"
+                                ),
+                                mend: "split it into smaller polygons",
+                            });
+                        }
                     };
                     if let Some(what) = what {
                         source.reading.note(source.file, &format!("face {place}"), what)?;
@@ -174,7 +181,7 @@ impl Raw {
             index: corner.written,
             vertices: self.vertices.len(),
         })?;
-        let faulty = || vertex.at.iter().position(|x| !(x.abs() <= LARGEST));
+        let faulty = || vertex.at.iter().position(|x| !is_finite(*x));
         if !all_finite && let Some(axis) = faulty() {
             return Err(MeshProblem::NotFinite {
                 face,
@@ -189,3 +196,7 @@ impl Raw {
 
 /// The largest coordinate that is finite in f32, where every method works.
 const LARGEST: f64 = f32::MAX as f64;
+
+fn is_finite(x: f64) -> bool {
+    x.abs() <= LARGEST
+}

@@ -4,6 +4,7 @@
 //! vertices and keep no line numbers, so that no message could name the place of a mistake.
 
 use std::borrow::Cow;
+use std::collections::HashMap;
 use std::iter::Peekable;
 use std::num::NonZeroU32;
 
@@ -25,6 +26,8 @@ pub struct ObjFile {
     /// The faces from which on another material counts.
     material_from: Vec<(usize, usize)>,
     libraries: Vec<ObjLine>,
+    /// The places of the materials and of the libraries by their names.
+    names: [HashMap<String, usize>; 2],
 }
 
 /// What follows the keyword of a line.
@@ -107,6 +110,10 @@ impl ObjFile {
                 let mut words = numbers.split_ascii_whitespace();
                 let at = coordinates(&mut words, line)?;
                 self.raw.vertices.push(Vertex { at, line: Some(line) });
+                if !at.iter().all(|x| x.is_finite()) {
+                    // Where no face uses it, it is nothing; where one does, it is an error.
+                    source.reading.tolerate(place(), "a coordinate that is not finite")?;
+                }
                 if let Some(word) = words.next() {
                     after_coordinates(word, words.count(), line, source)?;
                 }
@@ -128,19 +135,11 @@ impl ObjFile {
             }
             "f" | "fo" => self.face(numbers, line, source)?,
             "usemtl" => {
-                let name = name();
-                let known = self.materials.iter().position(|known| known.text == name.text);
-                let material = known.unwrap_or_else(|| {
-                    self.materials.push(name);
-                    self.materials.len() - 1
-                });
+                let material = first_use(&mut self.materials, &mut self.names[0], name());
                 self.material_from.push((self.raw.faces.len(), material));
             }
             "mtllib" => {
-                let name = name();
-                if self.libraries.iter().all(|known| known.text != name.text) {
-                    self.libraries.push(name);
-                }
+                first_use(&mut self.libraries, &mut self.names[1], name());
             }
             "" | "#" | "g" | "o" | "s" | "mg" | "vp" | "bevel" | "c_interp" | "d_interp"
             | "lod" | "usemap" | "maplib" | "shadow_obj" | "trace_obj" | "parm" | "trim"
@@ -282,7 +281,7 @@ fn logical_line<'a>(
         return Some((number, Cow::Borrowed(line)));
     }
     let mut whole = head.to_owned();
-    while let Some((_, next)) = lines.next() {
+    for (_, next) in lines.by_ref() {
         let next = next.trim_end();
         // A break stands between words, or beside a slash inside of a corner.
         if !whole.ends_with('/') && !next.starts_with('/') {
@@ -300,6 +299,14 @@ fn logical_line<'a>(
 fn continued(line: &str) -> Option<&str> {
     let head = line.strip_suffix('\\')?;
     (without_comment(head).len() == head.len()).then_some(head)
+}
+
+/// The place of a name among those that were used before; a new one becomes the last.
+fn first_use(used: &mut Vec<ObjLine>, places: &mut HashMap<String, usize>, name: ObjLine) -> usize {
+    *places.entry(name.text.clone()).or_insert_with(|| {
+        used.push(name);
+        used.len() - 1
+    })
 }
 
 /// What stands after a vertex's coordinates: a weight, or a colour.

@@ -12,6 +12,9 @@ use crate::mesh::Source;
 use crate::ply_header::{Element, Encoding, Header, Property, Scalar};
 use crate::text::malformed_line;
 
+/// Lists of more entries are counted before they are read.
+const LONG: usize = 1 << 12;
+
 /// The two names that exporters give to the list of a face's vertices.
 const INDICES: [&str; 2] = ["vertex_indices", "vertex_index"];
 
@@ -72,8 +75,7 @@ fn check(header: &Header, bytes: usize) -> Result<(), MeshProblem> {
             }
         }
     }
-    let faces = element("tristrips").or_else(|_| element("face"))?;
-    let faces = header.element("face").unwrap_or(faces);
+    let faces = element("face").or_else(|missing| element("tristrips").map_err(|_| missing))?;
     let indices = indices(faces).ok_or_else(|| {
         missing(format!(
             "property `vertex_indices` or `vertex_index` of element `{}` in the header",
@@ -120,17 +122,15 @@ fn steps<'a>(element: &'a Element, is_vertex: bool, indices: Option<&Property>) 
     let mut steps = Vec::new();
     let mut skipped: Range<usize> = 0..0;
     for (number, property) in element.properties.iter().enumerate() {
-        let axis = ["x", "y", "z"].iter().position(|axis| property.is_named(axis));
-        let step = match property.count {
-            Some(count) if indices == Some(property) => Step::Indices(property, count),
-            Some(count) => Step::SkipList(property, count),
-            None => match axis.filter(|_| is_vertex) {
-                Some(axis) => Step::Axis(axis, property),
-                None => {
-                    skipped.end = number + 1;
-                    continue;
-                }
-            },
+        let axis = ["x", "y", "z"].iter().position(|axis| is_vertex && property.is_named(axis));
+        let step = match (property.count, axis) {
+            (Some(count), _) if indices == Some(property) => Step::Indices(property, count),
+            (Some(count), _) => Step::SkipList(property, count),
+            (None, Some(axis)) => Step::Axis(axis, property),
+            (None, None) => {
+                skipped.end = number + 1;
+                continue;
+            }
         };
         steps.extend(Some(Step::Skip(&element.properties[skipped])).filter(Step::is_something));
         steps.push(step);
@@ -210,7 +210,10 @@ fn read_one(
             Step::Indices(property, count) => {
                 let count = body.count(property, count)?;
                 list.clear();
-                source.reading.claim_for(count, 24).map_err(|problem| Fault::Is(problem.into()))?;
+                if count > LONG {
+                    let bytes = (count * size_of::<i64>()) as u64;
+                    source.reading.claim(bytes).map_err(|problem| Fault::Is(problem.into()))?;
+                }
                 body.integers(property, count, list)?;
             }
         }

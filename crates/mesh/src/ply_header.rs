@@ -45,6 +45,15 @@ pub(crate) enum Scalar {
     F64,
 }
 
+/// The elements that are read.
+const READ_ELEMENTS: [&str; 3] = ["vertex", "face", "tristrips"];
+/// The properties of them that are read.
+const READ_PROPERTIES: [&str; 5] = ["x", "y", "z", "vertex_indices", "vertex_index"];
+
+fn is_one_of(name: &str, names: &[&str]) -> bool {
+    names.iter().any(|known| known.eq_ignore_ascii_case(name))
+}
+
 impl Scalar {
     fn named(name: &str) -> Option<Self> {
         Some(match name.to_ascii_lowercase().as_str() {
@@ -168,7 +177,8 @@ impl Header {
                     let count = count.parse();
                     let count = count.map_err(|_| fault(format!("`{line}` has no sound count")))?;
                     let name = (*name).to_owned();
-                    if header.element(&name).is_some() {
+                    // Of those that nobody reads any number may be there.
+                    if is_one_of(&name, &READ_ELEMENTS) && header.element(&name).is_some() {
                         return Err(fault(format!("element `{name}` is there twice")));
                     }
                     header.elements.push(Element { name, count, properties: Vec::new() });
@@ -179,11 +189,8 @@ impl Header {
                     let element = header.elements.last_mut();
                     let element =
                         element.ok_or_else(|| fault("a property before any element".to_owned()))?;
-                    if element
-                        .property(&property.name)
-                        .is_some_and(|known| known.name == property.name)
-                    {
-                        let name = property.name;
+                    let name = &property.name;
+                    if is_one_of(name, &READ_PROPERTIES) && element.property(name).is_some() {
                         return Err(fault(format!("property `{name}` is there twice")));
                     }
                     element.properties.push(property);

@@ -15,11 +15,13 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 pub(crate) enum Shape {
     /// It bounds an area, or areas that touch in corners: the triangles fill it.
     Simple,
-    /// Its outline crosses itself, or runs back into itself seen along the normal: the triangles are the
-    /// fan from its first corner.
+    /// Its outline crosses itself, seen along its normal: the triangles are the fan from its first
+    /// corner.
     Crossing,
     /// All corners lie on one line: no triangles.
     Flat,
+    /// It is not convex, and has more corners than [`Splitter::MOST`]: no triangles.
+    TooLarge,
 }
 
 /// Splits polygons, and keeps its memory between them.
@@ -32,8 +34,8 @@ pub(crate) struct Splitter {
 }
 
 impl Splitter {
-    /// About how many bytes it takes for each corner.
-    pub(crate) const BYTES: usize = 512;
+    /// The most corners of a polygon that is not convex: the time grows with their square at worst.
+    pub(crate) const MOST: usize = 1 << 15;
 
     /// The triangles between a polygon's corners, as places in `corners`, with its front in front. Corners
     /// that repeat the one before are passed over: n others give n − 2 triangles.
@@ -65,6 +67,9 @@ impl Splitter {
         if self.is_convex() {
             self.fan();
             return Shape::Simple;
+        }
+        if self.ring.len() > Self::MOST {
+            return Shape::TooLarge;
         }
         match self.triangulate() {
             Some(()) if self.triangles.is_empty() => Shape::Flat,
@@ -128,19 +133,24 @@ impl Splitter {
     /// Triangulates what the outline runs around; `None` where it crosses itself.
     fn triangulate(&mut self) -> Option<()> {
         let mut plane = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
-        let mut vertices = Vec::with_capacity(self.ring.len());
+        let mut vertices: Vec<FixedVertexHandle> = Vec::with_capacity(self.ring.len());
         // Of corners at one point the first stands for all.
         let mut corner_of = Vec::new();
         for (&corner, p) in self.ring.iter().zip(&self.projected) {
             // The library refuses numbers near the least; the extent here is about 1.
-            let point = spade::mitigate_underflow(Point2::from(*p));
-            let vertex = plane.insert(point).ok()?;
+            let vertex = plane.insert(spade::mitigate_underflow(Point2::from(*p))).ok()?;
             if vertex.index() == corner_of.len() {
                 corner_of.push(corner);
             }
+            // At once, not when all corners are there: an edge then crosses few others.
+            if let Some(&before) = vertices.last()
+                && plane.try_add_constraint(before, vertex).is_empty()
+            {
+                return None;
+            }
             vertices.push(vertex);
         }
-        let turns = outline(&mut plane, &vertices)?;
+        let turns = turns(&mut plane, &vertices)?;
 
         // Every triangle gets the number of times that the outline runs around it, from the outside in:
         // an edge of the outline changes it by one for each time that it is run along.
@@ -184,16 +194,18 @@ impl Splitter {
     }
 }
 
-/// Adds the outline's edges. Returns how many times it runs along each edge in the edge's own direction
-/// more than against it; `None` where it crosses itself.
-fn outline(
+/// How many times the outline runs along each edge in the edge's own direction more than against it;
+/// `None` where the outline crosses itself.
+fn turns(
     plane: &mut ConstrainedDelaunayTriangulation<Point2<f64>>,
     vertices: &[FixedVertexHandle],
 ) -> Option<Vec<i32>> {
-    let mut along: Vec<FixedDirectedEdgeHandle> = Vec::new();
-    let ends = vertices.iter().zip(vertices.iter().cycle().skip(1));
-    for (&from, &to) in ends {
-        // An edge that runs through other corners comes in pieces.
+    let ends = || vertices.iter().copied().zip(vertices.iter().copied().cycle().skip(1));
+    let (last, first) = ends().last()?;
+    plane.try_add_constraint(last, first);
+    let mut turns = vec![0; plane.num_undirected_edges()];
+    for (from, to) in ends() {
+        // All are there: nothing changes. An edge that runs through other corners comes in pieces.
         let pieces = plane.try_add_constraint(from, to);
         if pieces.is_empty() {
             return None;
@@ -201,15 +213,12 @@ fn outline(
         let mut at = from;
         for piece in pieces {
             let [start, end] = plane.directed_edge(piece).vertices().map(|vertex| vertex.fix());
-            let (piece, end) = if start == at { (piece, end) } else { (piece.rev(), start) };
-            along.push(piece);
-            at = end;
+            let is_along = start == at;
+            at = if is_along { end } else { start };
+            let edge = piece.as_undirected();
+            let is_own_direction = piece == edge.as_directed();
+            turns[edge.index()] += if is_along == is_own_direction { 1 } else { -1 };
         }
-    }
-    let mut turns = vec![0; plane.num_undirected_edges()];
-    for edge in along {
-        let edge_itself = edge.as_undirected();
-        turns[edge_itself.index()] += if edge == edge_itself.as_directed() { 1 } else { -1 };
     }
     Some(turns)
 }

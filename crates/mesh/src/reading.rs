@@ -151,12 +151,6 @@ impl Reading {
         if self.used > limit { Err(ReadProblem::TooLarge { limit }) } else { Ok(()) }
     }
 
-    /// The same for so many items of so many bytes each. Few are not worth counting.
-    pub(crate) fn claim_for(&mut self, items: usize, bytes: usize) -> Result<(), ReadProblem> {
-        const FEW: usize = 1 << 12;
-        if items < FEW { Ok(()) } else { self.claim((items as u64).saturating_mul(bytes as u64)) }
-    }
-
     /// Passes over a departure from the format's standard by which nothing is lost.
     ///
     /// # Errors

@@ -15,13 +15,7 @@ impl Reading {
     /// As those.
     pub fn text(&mut self, path: &Path) -> Result<String, ReadProblem> {
         let bytes = self.file(path)?;
-        match self.decode(&bytes)? {
-            // The common case is without a copy: all bytes are text already.
-            Cow::Borrowed(text) if text.len() == bytes.len() => {
-                Ok(String::from_utf8(bytes).expect("it was decoded as this"))
-            }
-            text => Ok(text.into_owned()),
-        }
+        Ok(self.decode(&bytes)?.into_owned())
     }
 
     /// The text that bytes hold, without the byte order mark: UTF-8, or UTF-16 where the mark says so.

@@ -2,7 +2,7 @@
 //!
 //! Read here: the library at hand, tobj, ends the program where a colour has fewer than three numbers.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3};
@@ -46,6 +46,7 @@ pub(crate) fn load(
         scene,
         reading,
         materials: Vec::new(),
+        names: HashSet::new(),
         textures: HashMap::new(),
     };
     for (line, content) in lines(&text) {
@@ -53,7 +54,7 @@ pub(crate) fn load(
         let (field, rest) = content.split_once(char::is_whitespace).unwrap_or((content, ""));
         library.statement(line, field, rest)?;
     }
-    library.finish()
+    Ok(library.finish())
 }
 
 struct Library<'a> {
@@ -62,6 +63,7 @@ struct Library<'a> {
     scene: &'a mut Scene,
     reading: &'a mut Reading,
     materials: Vec<Read>,
+    names: HashSet<String>,
     /// Textures of the scene by their file and how often they repeat.
     textures: HashMap<(PathBuf, [u32; 2]), usize>,
 }
@@ -75,7 +77,7 @@ impl Library<'_> {
         }
         if keyword == "newmtl" {
             let name = unquoted(without_comment(rest));
-            if self.materials.iter().any(|known| known.name == name) {
+            if !self.names.insert(name.to_owned()) {
                 self.note(&place, "a material of a name that is there already replaces it")?;
             }
             self.materials.push(Read::new(name));
@@ -246,9 +248,8 @@ impl Library<'_> {
         SceneProblem::Unread(problem).of_file(self.file)
     }
 
-    fn finish(mut self) -> Result<Vec<Material>, SceneError> {
-        let materials = std::mem::take(&mut self.materials);
-        for material in &materials {
+    fn finish(self) -> Vec<Material> {
+        for material in &self.materials {
             if let (None, Some((1.0, line))) = (material.opacity, material.transparency)
                 && !material.is_glass()
             {
@@ -256,7 +257,7 @@ impl Library<'_> {
                 self.reading.remark(self.file, &format!("line {line}"), what);
             }
         }
-        Ok(materials.into_iter().map(Read::finish).collect())
+        self.materials.into_iter().map(Read::finish).collect()
     }
 }
 
@@ -275,14 +276,11 @@ impl<'a> Map<'a> {
         loop {
             let (option, after) = next_word(map.file);
             let is_number = |word: &str| word.parse::<f32>().is_ok();
-            let (least, most, changes_nothing): (usize, usize, &[&str]) = match option {
-                "-s" => (1, 3, &[]),
-                "-o" | "-t" => (1, 3, &["0"]),
-                "-mm" => (2, 2, &["0", "1"]),
-                "-clamp" | "-cc" => (1, 1, &["off"]),
-                "-blendu" | "-blendv" | "-texres" | "-bm" | "-boost" | "-imfchan" | "-type" => {
-                    (1, 1, &[])
-                }
+            let (least, most) = match option {
+                "-s" | "-o" | "-t" => (1, 3),
+                "-mm" => (2, 2),
+                "-clamp" | "-cc" | "-blendu" | "-blendv" | "-texres" | "-bm" | "-boost"
+                | "-imfchan" | "-type" => (1, 1),
                 _ => {
                     map.file = unquoted(map.file);
                     return map;
@@ -308,12 +306,13 @@ impl<'a> Map<'a> {
                     map.scale = Vec2::new(*u, v.unwrap_or(1.0));
                 }
                 ("-o" | "-t", numbers) if numbers.iter().all(|x| *x == 0.0) => {}
-                ("-mm", [0.0, 1.0]) => {}
-                ("-clamp" | "-cc", _) if values == changes_nothing => {}
-                (
+                // The last are about how a picture is filtered, and what other maps take of it.
+                ("-mm", [0.0, 1.0])
+                | (
                     "-blendu" | "-blendv" | "-texres" | "-bm" | "-boost" | "-imfchan" | "-type",
                     _,
                 ) => {}
+                ("-clamp" | "-cc", _) if values == ["off"] => {}
                 _ => map.lost = map.lost.or(Some(option)),
             }
         }
