@@ -15,13 +15,7 @@ impl Reading {
     /// As those.
     pub fn text(&mut self, path: &Path) -> Result<String, ReadProblem> {
         let bytes = self.file(path)?;
-        match self.decode(&bytes)? {
-            // The common case is without a copy: all bytes are text already.
-            Cow::Borrowed(text) if text.len() == bytes.len() => {
-                Ok(String::from_utf8(bytes).expect("it was decoded as this"))
-            }
-            text => Ok(text.into_owned()),
-        }
+        Ok(self.decode(&bytes)?.into_owned())
     }
 
     /// The text that bytes hold, without the byte order mark: UTF-8, or UTF-16 where the mark says so.
@@ -37,7 +31,7 @@ impl Reading {
             return Err(ReadProblem::NotText { line: line_at(&text, "\u{fffd}") });
         }
         if is_damaged {
-            let tail = &bytes[bom_length(bytes)..];
+            let tail = &bytes[utf8_mark(bytes)..];
             (text, _) = WINDOWS_1252.decode_without_bom_handling(tail);
         }
         if let Cow::Owned(text) = &text {
@@ -54,7 +48,7 @@ impl Reading {
 }
 
 /// The length of the byte order mark of UTF-8 at the head of a file; 0 where there is none.
-pub(crate) fn bom_length(bytes: &[u8]) -> usize {
+pub(crate) fn utf8_mark(bytes: &[u8]) -> usize {
     if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 }
 }
 
@@ -89,6 +83,13 @@ pub fn without_comment(line: &str) -> &str {
         |&(at, _): &(usize, &str)| line[..at].chars().next_back().is_none_or(char::is_whitespace);
     let comment = line.match_indices('#').find(begins);
     comment.map_or(line, |(at, _)| &line[..at])
+}
+
+/// A name without the white space around it, and without quotation marks around all of it.
+pub fn unquoted(name: &str) -> &str {
+    let name = name.trim();
+    let inner = name.strip_prefix('"').and_then(|name| name.strip_suffix('"'));
+    inner.filter(|inner| !inner.contains('"')).unwrap_or(name)
 }
 
 /// A problem at one line of a text file.

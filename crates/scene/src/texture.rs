@@ -6,13 +6,14 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
-use trisect_mesh::{ReadProblem, Reading, cut};
+use trisect_mesh::{Reading, cut};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use crate::error::SceneProblem;
 use crate::model::Color;
+use crate::mtl::is_missing;
 
 /// A texture.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,17 +75,12 @@ impl Texture {
         place: &str,
         reading: &mut Reading,
     ) -> Result<Option<Pixels>, SceneProblem> {
-        use ReadProblem::{NotStandard, Outside, TooLarge};
         match pixels {
             Ok(pixels) => Ok(Some(pixels)),
-            Err(
-                problem @ SceneProblem::Unread(
-                    Outside { .. } | TooLarge { .. } | NotStandard { .. },
-                ),
-            ) => Err(problem),
+            Err(SceneProblem::Unread(problem)) if !is_missing(&problem) => Err(problem.into()),
             Err(problem) => {
                 let place = format!("{place}: {}", cut(&problem.to_string(), 300));
-                reading.note(file, &place, "textures that cannot be read, left out")?;
+                reading.note(file, &place, "a picture that cannot be used is left out")?;
                 Ok(None)
             }
         }

@@ -106,7 +106,10 @@ fn without_its_picture_a_surface_has_its_factor() {
         let (_folder, path) = changed(file, from, to);
         let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
         let note = &scene.notes[0];
-        assert_eq!((notes(&scene)[0], note.count), ("textures that cannot be read, left out", 1));
+        assert_eq!(
+            (notes(&scene)[0], note.count),
+            ("a picture that cannot be used is left out", 1)
+        );
         assert!(note.first.starts_with("texture 0: ") && note.first.contains(what), "{note}");
         assert_eq!(scene.materials[0].texture, None);
         assert_eq!(scene.materials[0].diffuse, Vec3::ONE);
