@@ -3,7 +3,8 @@
 use trisect_catalog::entries;
 use trisect_harness::record::{Family, Records};
 use trisect_harness::{Progress, Settings, Task, measure};
-use trisect_workloads::{Mesh, MeshFormat, Workload};
+use trisect_mesh::{Mesh, MeshFormat};
+use trisect_workloads::Workload;
 
 struct Silent;
 

@@ -2,7 +2,7 @@
 
 use trisect_catalog::{Builder, Tracing, entries};
 use trisect_core::{Culling, Hit, Output};
-use trisect_workloads::{Mesh, MeshFormat};
+use trisect_mesh::{Mesh, MeshFormat};
 
 fn teapot() -> Mesh {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/meshes/teapot.ply");

@@ -4,7 +4,7 @@ use std::num::NonZero;
 
 use anyhow::Result;
 use trisect_harness::{REFERENCE, Settings, StudySettings, keep_for_study};
-use trisect_workloads::Mesh;
+use trisect_workloads::{Mesh, hall};
 
 use crate::arguments::Study;
 use crate::compare::command;
@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &Study) -> Result<()> {
     if methods.iter().all(|entry| entry.info.name != REFERENCE) {
         methods.insert(0, reference);
     }
-    let scenes = tasks::meshes(subjects, || vec![Mesh::bunny(), Mesh::hall()])?;
+    let scenes = tasks::meshes(subjects, || vec![Mesh::bunny(), hall()])?;
     output::check_folder(&arguments.output)?;
 
     let settings = Settings {

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use trisect_workloads::{MeshError, MeshProblem};
+use trisect_mesh::{MeshError, MeshProblem, ReadProblem, cut, quoted};
 
 /// What is wrong with a scene, and in which file.
 #[derive(Debug, thiserror::Error)]
@@ -18,9 +18,9 @@ pub struct SceneError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneProblem {
-    /// The file could not be read.
-    #[error("cannot be read ({0}); check the path")]
-    Unreadable(#[source] std::io::Error),
+    /// The file, or something in it, is not read.
+    #[error("{0}")]
+    Unread(#[from] ReadProblem),
     /// The ending of the file's name is not known.
     #[error("unknown file type; scenes are .toml, .gltf, .glb and .obj, meshes .ply and .stl too")]
     UnknownType,
@@ -66,9 +66,10 @@ impl SceneProblem {
     ) -> Self {
         Self::Faulty {
             place: place.into(),
-            field: field.into(),
-            what: what.into(),
-            mend: mend.into(),
+            field: quoted(&field.into()),
+            // It may quote the file, and the message of another file within it.
+            what: cut(&what.into(), 300),
+            mend: cut(&mend.into(), 200),
         }
     }
 

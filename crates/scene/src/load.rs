@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use glam::{Affine3A, Vec3};
-use trisect_workloads::MeshFormat;
+use glam::{DVec3, Vec3};
+use trisect_mesh::{MeshFormat, ReadOptions, ReadProblem, Reading};
 
-use crate::camera::{Camera, Lens};
+use crate::draft::Draft;
 use crate::error::{SceneError, SceneProblem};
 use crate::mesh::Mesh;
-use crate::model::{Instance, Light, Material, Scene};
+use crate::model::{Material, Scene};
 use crate::{gltf_scene, obj, toml_file};
 
 /// Pixels of a picture where a file says nothing of it.
@@ -39,31 +39,49 @@ impl Scene {
     /// When a file cannot be read or is faulty; the message names the file, the line or element, the
     /// field and what mends it.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
-        let path = path.as_ref();
+        Self::load_with(path, &ReadOptions::default())
+    }
+
+    /// The same, read as the options say.
+    ///
+    /// # Errors
+    /// As [`Scene::load`], and for what the options refuse.
+    pub fn load_with(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self, SceneError> {
+        let mut reading = Reading::new(options);
+        let mut scene = Self::read(path.as_ref(), &mut reading)?;
+        scene.notes = reading.into_notes();
+        Ok(scene)
+    }
+
+    fn read(path: &Path, reading: &mut Reading) -> Result<Self, SceneError> {
         let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
         if ending.eq_ignore_ascii_case("toml") {
-            let text = read_text(path)?;
-            return toml_file::parse(&path.display().to_string(), &text, path.parent());
+            let mut text = read_text(path, reading)?;
+            if text.contains('\r') && !text.contains('\n') {
+                let fail =
+                    |problem| SceneProblem::Unread(problem).of_file(path.display().to_string());
+                reading.tolerate("file", "line ends of CR alone").map_err(fail)?;
+                text = text.replace('\r', "\n");
+            }
+            return toml_file::parse(&path.display().to_string(), &text, path.parent(), reading);
         }
-        let mut scene = match MeshFormat::of(path) {
-            Some(MeshFormat::Gltf) => gltf_scene::load(path)?,
+        let mut draft = Draft::new();
+        match MeshFormat::of(path) {
+            Some(MeshFormat::Gltf) => draft = gltf_scene::load(path, reading)?,
             Some(MeshFormat::Obj) => {
-                let mut scene = Self::empty();
-                let mesh = obj::load(path, &mut scene)?;
-                scene.put(mesh);
-                scene
+                let mesh = obj::load(path, &mut draft.scene, reading)?;
+                draft.put_mesh(mesh);
+                draft.settle();
             }
             Some(MeshFormat::Ply | MeshFormat::Stl) => {
-                let mut scene = Self::empty();
-                let mesh = load_triangles(path)?;
-                scene.materials.push(Material::default());
-                scene.put(Mesh { materials: vec![0; mesh.triangles.len()], ..mesh });
-                scene
+                let mesh = load_triangles(path, reading)?;
+                draft.scene.materials.push(Material::default());
+                draft.put_mesh(Mesh { materials: vec![0; mesh.triangles.len()], ..mesh });
+                draft.settle();
             }
             None => return Err(SceneProblem::UnknownType.of_file(path.display().to_string())),
-        };
-        scene.complete();
-        Ok(scene)
+        }
+        draft.complete().map_err(|problem| problem.of_file(path.display().to_string()))
     }
 
     /// Reads a scene in this crate's format from memory; `name` stands for the file in messages, and
@@ -72,7 +90,10 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn from_toml(name: &str, text: &str, folder: Option<&Path>) -> Result<Self, SceneError> {
-        toml_file::parse(name, text, folder)
+        let mut reading = Reading::new(&ReadOptions::default());
+        let mut scene = toml_file::parse(name, text, folder, &mut reading)?;
+        scene.notes = reading.into_notes();
+        Ok(scene)
     }
 
     /// A scene with nothing in it, not even a camera.
@@ -90,41 +111,9 @@ impl Scene {
             instances: Vec::new(),
             spheres: Vec::new(),
             planes: Vec::new(),
-        }
-    }
-
-    /// Adds a mesh as it is.
-    fn put(&mut self, mesh: Mesh) {
-        let smooth = !mesh.normals.is_empty();
-        self.instances.push(Instance {
-            mesh: self.meshes.len(),
-            to_world: Affine3A::IDENTITY,
-            material: None,
-            smooth,
-        });
-        self.meshes.push(mesh);
-    }
-
-    /// Adds a camera and light where there are none.
-    fn complete(&mut self) {
-        let [low, high] = self.bounds().unwrap_or([Vec3::NEG_ONE, Vec3::ONE]);
-        let (middle, radius) = ((low + high) * 0.5, (high - low).length().max(1e-20) * 0.5);
-        if self.cameras.is_empty() {
-            let field_of_view = 40.0_f32.to_radians();
-            let distance = radius / (field_of_view * 0.5).sin();
-            let eye = middle + Vec3::new(0.45, 0.35, 1.0).normalize() * distance;
-            let lens = Lens::Pinhole { field_of_view };
-            self.cameras.extend(Camera::looking(eye, middle, Vec3::Y, lens));
-        }
-        if self.lights.is_empty()
-            && let Some(camera) = self.cameras.first()
-        {
-            let direction = camera.forward - camera.up * 0.6 + camera.right * 0.4;
-            let irradiance = Vec3::splat(2.4);
-            self.lights.push(Light::Directional { direction: direction.normalize(), irradiance });
-            self.ambient = Vec3::splat(0.15);
-            self.background = Vec3::new(0.75, 0.80, 0.86);
-            self.zenith = Vec3::new(0.30, 0.45, 0.70);
+            origin: DVec3::ZERO,
+            rounding: 0.0,
+            notes: Vec::new(),
         }
     }
 
@@ -148,13 +137,14 @@ impl Scene {
     }
 }
 
-pub(crate) fn read_text(path: &Path) -> Result<String, SceneError> {
-    std::fs::read_to_string(path)
-        .map_err(|error| SceneProblem::Unreadable(error).of_file(path.display().to_string()))
+pub(crate) fn read_text(path: &Path, reading: &mut Reading) -> Result<String, SceneError> {
+    let fail =
+        |problem: ReadProblem| SceneProblem::from(problem).of_file(path.display().to_string());
+    reading.text(path).map_err(fail)
 }
 
 /// Triangles of a file of any format, with smooth normals and without materials.
-pub(crate) fn load_triangles(path: &Path) -> Result<Mesh, SceneError> {
-    let mesh = trisect_workloads::Mesh::load(path)?;
-    Ok(Mesh::of_triangles(mesh.name, mesh.triangles.to_vec()))
+pub(crate) fn load_triangles(path: &Path, reading: &mut Reading) -> Result<Mesh, SceneError> {
+    let mesh = trisect_mesh::Mesh::read(path, reading)?;
+    Ok(Mesh::near(&*mesh.name, &mesh.triangles_f64()).with_smooth_normals())
 }

@@ -239,12 +239,12 @@ impl Extent {
 
 #[cfg(test)]
 mod tests {
-    use trisect_workloads::{Mesh, RayClass, primary};
+    use trisect_workloads::{RayClass, hall, primary};
 
     use super::*;
 
     fn picture(columns: usize, rows: usize) -> Vec<Ray<f32>> {
-        primary(&Mesh::hall(), columns, rows).rays
+        primary(&hall(), columns, rows).rays
     }
 
     /// The numbers, which are all of so many.
@@ -269,7 +269,7 @@ mod tests {
 
     #[test]
     fn what_is_in_tiles_stays_so() {
-        let rays = RayClass::Primary.rays(1, &Mesh::hall(), 64, &mut |_| None);
+        let rays = RayClass::Primary.rays(1, &hall(), 64, &mut |_| None);
         assert_eq!(row_length(&rays), None, "rows of four are no tiles of eight");
         let Order::Packets(numbers) = of_origins(&rays) else { panic!("they go together") };
         assert!(numbers.is_empty());
@@ -277,7 +277,7 @@ mod tests {
 
     #[test]
     fn rays_with_little_in_common_go_singly() {
-        let rays = trisect_workloads::random_through_box(1, &Mesh::hall(), 4096).rays;
+        let rays = trisect_workloads::random_through_box(1, &hall(), 4096).rays;
         assert!(matches!(of_origins(&rays), Order::Singly));
         // Wherever they are taken from, no row is seen in them.
         assert!((0..2000).all(|from| row_length(&rays[from..]).is_none()));

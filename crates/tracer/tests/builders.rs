@@ -8,7 +8,7 @@ use trisect_moller_trumbore::MollerTrumbore;
 use trisect_tracer::{Builder, Bvh, Leaves, RefitError, Statistics, Tracing, Tree};
 use trisect_wald::Wald;
 use trisect_watertight::Watertight;
-use trisect_workloads::{Bounds, Mesh, Placement, Stream, Surface};
+use trisect_workloads::{Mesh, Placement, Stream, Surface};
 
 /// One by each builder.
 fn trees<M: Method>(triangles: &[Triangle<f32>]) -> [Bvh<M>; 3] {
@@ -29,8 +29,7 @@ fn statistics(builder: Builder, triangles: &[Triangle<f32>]) -> Statistics {
 }
 
 fn mesh(name: &str, triangles: Vec<Triangle<f32>>) -> Mesh {
-    let bounds = Bounds::of(&triangles).expect("there are triangles");
-    Mesh { name: name.into(), triangles: triangles.into(), degenerate: 0, bounds }
+    Mesh::from_triangles(name, triangles).expect("finite triangles")
 }
 
 /// Long thin triangles across one another, as beams in a hall: the worst for boxes, so space is split.

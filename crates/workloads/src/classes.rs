@@ -7,7 +7,7 @@ use trisect_core::Ray;
 use crate::generate::{
     Closest, Light, Workload, diffuse_bounce, occlusion, primary, random_through_box,
 };
-use crate::mesh::Mesh;
+use trisect_mesh::Mesh;
 
 /// Rays of one kind through a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use trisect_core::{Hit, Ray, Triangle, Vec3};
 
-use crate::mesh::{Bounds, Mesh};
 use crate::stream::Stream;
 use crate::surface::{Aim, Placement, Surface};
+use trisect_mesh::{Bounds, Mesh};
 
 /// Rays and triangles to test against each other.
 #[derive(Clone, Debug)]

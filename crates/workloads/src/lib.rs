@@ -1,11 +1,11 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-pub mod mesh;
 pub mod rays;
 
 mod classes;
 mod generate;
+mod hall;
 mod stream;
 mod stress;
 mod surface;
@@ -15,11 +15,12 @@ pub use generate::{
     Closest, Light, OFFSET, Share, Workload, diffuse_bounce, edge_aimed, hit_rate, occlusion,
     primary, random, random_sharing, random_through_box, working_set,
 };
-pub use mesh::{Bounds, Mesh, MeshError, MeshFormat, MeshProblem};
+pub use hall::hall;
 pub use rays::{
     RaysError, RaysFile, RaysProblem, read_rays, read_rays_binary, read_rays_csv,
-    write_rays_binary, write_rays_csv,
+    read_rays_csv_with, read_rays_with, write_rays_binary, write_rays_csv,
 };
 pub use stream::Stream;
 pub use stress::{Pair, Stress};
 pub use surface::{Aim, Feature, Placement, Surface};
+pub use trisect_mesh::{Bounds, Mesh};

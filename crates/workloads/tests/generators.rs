@@ -41,7 +41,7 @@ fn hash(workload: &Workload) -> u64 {
 }
 
 fn box_mesh() -> Mesh {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/box.little.ply");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../mesh/tests/data/box.little.ply");
     Mesh::load(path).expect("sound")
 }
 

@@ -9,7 +9,7 @@ use trisect_core::{
 };
 use trisect_tracer::Bvh;
 use trisect_watertight::Watertight;
-use trisect_workloads::{Mesh, RayClass};
+use trisect_workloads::{Mesh, RayClass, hall};
 
 use super::{Study, Subject, in_turn};
 use crate::measure::REFERENCE;
@@ -138,7 +138,7 @@ impl Study<'_> {
     pub(super) fn tracer(&mut self) -> Result<Vec<Omission>, StudyError> {
         let one = pool(1)?;
         let mut found = Vec::new();
-        for scene in [Mesh::bunny(), Mesh::hall()] {
+        for scene in [Mesh::bunny(), hall()] {
             self.progress.phase(&format!("{}: trees", scene.name), 1);
             let trees = Trees::of(&scene);
             let (pixels, seed) = (self.settings.pixels, self.settings.seed);
