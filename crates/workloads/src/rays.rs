@@ -12,6 +12,7 @@ use std::io::{Read, Write};
 use std::path::Path;
 
 use trisect_core::{Ray, Vec3};
+use trisect_mesh::{ReadOptions, ReadProblem, Reading};
 
 /// Rays in both precisions, each rounded once from what the file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,9 +38,12 @@ pub struct RaysError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RaysProblem {
-    /// The file could not be read.
+    /// A stream could not be read.
     #[error("cannot be read ({0}); check the path")]
     Unreadable(#[from] std::io::Error),
+    /// The file is not one that is read.
+    #[error(transparent)]
+    Read(#[from] ReadProblem),
     /// The ending of the file's name is not known.
     #[error("unknown file type; known are .csv and .rays")]
     UnknownType,
@@ -112,27 +116,71 @@ const RECORD: usize = 32;
 /// When the file cannot be read or breaks the format's rules; the message names the file, the
 /// place in it and what mends it.
 pub fn read_rays(path: impl AsRef<Path>) -> Result<RaysFile, RaysError> {
-    let path = path.as_ref();
-    let name = path.display().to_string();
-    let fail = |problem| RaysError { file: name.clone(), problem };
-    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-    if ending.eq_ignore_ascii_case("csv") {
-        let file = std::fs::File::open(path).map_err(|error| fail(error.into()))?;
-        read_rays_csv(&name, file)
-    } else if ending.eq_ignore_ascii_case("rays") {
-        let bytes = std::fs::read(path).map_err(|error| fail(error.into()))?;
-        read_rays_binary(&name, &bytes)
-    } else {
-        Err(fail(RaysProblem::UnknownType))
-    }
+    read_rays_with(path, &ReadOptions::default())
 }
 
-/// Reads rays as CSV, from standard input too. `name` stands for the file in messages.
+/// The same, with a limit on memory; a file of rays names no others, and its formats have no standard.
+///
+/// # Errors
+/// As [`read_rays`], and when the file and its rays would take more than
+/// [`max_memory`](ReadOptions::max_memory) together.
+pub fn read_rays_with(
+    path: impl AsRef<Path>,
+    options: &ReadOptions,
+) -> Result<RaysFile, RaysError> {
+    let path = path.as_ref();
+    let name = path.display().to_string();
+    let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
+    let read = || {
+        let mut reading = Reading::new(options);
+        if ending.eq_ignore_ascii_case("csv") {
+            let text = reading.file(path)?;
+            csv_in_memory(&text, &mut reading)
+        } else if ending.eq_ignore_ascii_case("rays") {
+            let bytes = reading.file(path)?;
+            // As large again in f32, and twice that in f64.
+            reading.claim(3 * bytes.len() as u64)?;
+            parse_binary(&bytes)
+        } else {
+            Err(RaysProblem::UnknownType)
+        }
+    };
+    read().map_err(|problem| RaysError { file: name, problem })
+}
+
+/// Reads rays as CSV. `name` stands for the file in messages.
 ///
 /// # Errors
 /// As [`read_rays`].
 pub fn read_rays_csv(name: &str, reader: impl Read) -> Result<RaysFile, RaysError> {
-    parse_csv(reader).map_err(|problem| RaysError { file: name.to_owned(), problem })
+    read_rays_csv_with(name, reader, &ReadOptions::default())
+}
+
+/// The same from whatever has no name or no end, as standard input, with a limit on memory.
+///
+/// # Errors
+/// As [`read_rays_with`].
+pub fn read_rays_csv_with(
+    name: &str,
+    reader: impl Read,
+    options: &ReadOptions,
+) -> Result<RaysFile, RaysError> {
+    let read = || {
+        let mut reading = Reading::new(options);
+        let mut text = Vec::new();
+        reader.take(options.max_memory.saturating_add(1)).read_to_end(&mut text)?;
+        reading.claim(text.len() as u64)?;
+        csv_in_memory(&text, &mut reading)
+    };
+    read().map_err(|problem| RaysError { file: name.to_owned(), problem })
+}
+
+fn csv_in_memory(text: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProblem> {
+    const RAY: usize = size_of::<Ray<f64>>() + size_of::<Ray<f32>>();
+    // A carriage return alone ends a line as well.
+    let ends = text.iter().filter(|byte| matches!(byte, b'\n' | b'\r')).count();
+    reading.claim((ends * RAY) as u64)?;
+    parse_csv(text)
 }
 
 fn parse_csv(reader: impl Read) -> Result<RaysFile, RaysProblem> {
