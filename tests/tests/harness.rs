@@ -2,7 +2,7 @@
 
 use trisect_catalog::entries;
 use trisect_harness::record::{Family, Records};
-use trisect_harness::{Progress, Settings, Task, measure};
+use trisect_harness::{Inputs, Progress, Settings, Task, measure};
 use trisect_mesh::{Mesh, MeshFormat};
 use trisect_workloads::Workload;
 
@@ -15,7 +15,8 @@ impl Progress for Silent {
 
 fn task(workload: Workload, family: Family) -> Task {
     let Workload { name, description, rays, triangles } = workload;
-    Task { name, description, family, rays, triangles: triangles.to_vec(), timed_rays: 16 }
+    let inputs = Inputs::new(rays, triangles.to_vec());
+    Task { name, description, family, inputs, timed_rays: 16 }
 }
 
 fn run(seed: u64) -> Records {

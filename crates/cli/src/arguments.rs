@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use trisect_catalog::Builder;
+use trisect_mesh::ReadOptions;
 use trisect_render::Sampling;
 
 /// Compares ray–triangle intersection methods on this machine: error against run time.
@@ -105,6 +106,45 @@ pub(crate) struct Subjects {
     /// Seed of every random choice
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+    #[command(flatten)]
+    pub reading: Reading,
+}
+
+/// How files are read.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Reading files")]
+pub(crate) struct Reading {
+    /// Refuse what the standard of a file's format does not allow; otherwise what is unambiguous is
+    /// read, and what is lost is said once
+    #[arg(long)]
+    pub strict: bool,
+    /// Refuse files that a file names outside its own folder
+    #[arg(long)]
+    pub sandbox: bool,
+    /// The most memory that a file may take, with what it names and what is decoded from both: bytes,
+    /// or with K, M or G, 1024 at a time
+    #[arg(long, value_name = "SIZE", default_value = "8G", value_parser = size)]
+    pub max_memory: u64,
+}
+
+impl From<&Reading> for ReadOptions {
+    fn from(&Reading { strict, sandbox, max_memory }: &Reading) -> Self {
+        Self { strict, sandbox, max_memory }
+    }
+}
+
+/// A size in memory, in bytes or with a unit.
+fn size(text: &str) -> Result<u64, String> {
+    let units = [('K', 10), ('M', 20), ('G', 30)];
+    let unit = units.into_iter().find_map(|(unit, shift)| {
+        let digits = text.strip_suffix([unit, unit.to_ascii_lowercase()])?;
+        Some((digits, shift))
+    });
+    let (digits, shift) = unit.unwrap_or((text, 0));
+    let count: Option<u64> = digits.parse().ok();
+    count
+        .and_then(|count| count.checked_mul(1 << shift))
+        .ok_or_else(|| "not a size; give bytes, or as 512M or 2G".to_owned())
 }
 
 #[derive(Debug, Args)]
@@ -334,6 +374,8 @@ pub(crate) struct Trace {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 #[derive(Debug, Args)]
@@ -348,7 +390,7 @@ pub(crate) struct Query {
     /// A method of `trisect list`, or `oracle` for the exact truth, rounded once
     #[arg(long, value_name = "NAME")]
     pub method: String,
-    /// Floats that rays and triangles are given in and answers computed in
+    /// Floats that answers are computed in; what files hold in f64 is rounded for f32, and kept for f64
     #[arg(long, default_value = "f32")]
     pub precision: Precision,
     /// Lanes; a width stands for the instruction set that it is native to, native for the widest
@@ -366,6 +408,8 @@ pub(crate) struct Query {
     /// Test every triangle instead of those that a tree leaves; f64 and --division always do
     #[arg(long)]
     pub brute_force: bool,
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 /// Explain what a scene's picture needs, what is left out of the code that draws it, and how much longer it
@@ -408,10 +452,17 @@ pub(crate) struct Explain {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 /// Recommend a kernel: measure all that answer what is asked on your own triangles and rays, and name the
 /// fastest, with the lines of Rust that use it.
+///
+/// A kernel that takes a hit for a miss, a miss for a hit or another triangle for the closest one is never
+/// recommended, whatever error is allowed. All are held to exact arithmetic on some rays against some
+/// triangles, the fastest on all rays (or some millions of pairs) against the triangles whose boxes they
+/// meet; how many decisions each was wrong about is said.
 #[derive(Debug, Args)]
 pub(crate) struct Recommend {
     /// Mesh: PLY, OBJ, STL or glTF
@@ -424,8 +475,7 @@ pub(crate) struct Recommend {
     /// What is asked of a hit
     #[arg(long, default_value = "barycentrics")]
     pub needs: Needs,
-    /// The largest error allowed: relative of t, absolute of barycentrics; of occlusion the share of
-    /// hits that are wrong
+    /// The largest error allowed: relative of t, absolute of barycentrics
     #[arg(long, value_name = "X", value_parser = error)]
     pub max_error: Option<f64>,
     /// Only kernels that let no ray pass between triangles that share an edge
@@ -443,6 +493,8 @@ pub(crate) struct Recommend {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 /// An error that is allowed.
@@ -517,6 +569,8 @@ pub(crate) struct Render {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub reading: Reading,
 }
 
 /// A number from 0, which may be infinite.
@@ -631,6 +685,21 @@ impl Width {
             Self::W8 => Some(8),
             Self::W16 => Some(16),
             Self::Native => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units() {
+        assert_eq!(size("4096"), Ok(4096));
+        assert_eq!((size("3K"), size("3m"), size("1G")), (Ok(3 << 10), Ok(3 << 20), Ok(1 << 30)));
+        assert_eq!(size("8G"), Ok(ReadOptions::MAX_MEMORY), "the default");
+        for wrong in ["", "G", "1.5G", "-1", "1T", "99999999999G"] {
+            assert!(size(wrong).is_err(), "{wrong}");
         }
     }
 }

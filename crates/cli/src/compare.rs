@@ -1,11 +1,11 @@
 //! The comparison, and `trisect measure`.
 
-use std::fs::File;
 use std::path::Path;
 
-use anyhow::{Context as _, Result, anyhow};
-use trisect_harness::Settings;
+use anyhow::{Context as _, Result};
 use trisect_harness::record::Records;
+use trisect_harness::{Settings, file};
+use trisect_report::Chapter;
 use trisect_workloads::Mesh;
 
 use crate::arguments::{Compare, Measure, Measurement};
@@ -15,10 +15,10 @@ use crate::{output, records, tasks};
 /// Measures, prints the summary, writes the record and the page.
 pub(crate) fn run(arguments: &Compare) -> Result<()> {
     let planned = Plan::new(&arguments.measurement)?;
-    output::check_folder(&arguments.output)?;
+    records::check(Chapter::Comparison, &arguments.output)?;
     let taken = planned.run()?;
     let Compare { output, json, .. } = arguments;
-    records::keep(&taken, output, "record.jsonl", *json, records::publish)
+    records::keep(Chapter::Comparison, &taken, output, *json)
 }
 
 /// Measures and writes the record.
@@ -29,7 +29,7 @@ pub(crate) fn measure(arguments: &Measure) -> Result<()> {
     }
     let records = planned.run()?;
     match &arguments.output {
-        Some(file) => output::write_file(file, |out| records.write(out)),
+        Some(file) => Ok(file::replace(file, |out| records.write(out))?),
         None => output::print(|out| records.write(out)),
     }
 }
@@ -52,6 +52,7 @@ impl<'a> Plan<'a> {
             timed: true,
         };
         let meshes = tasks::meshes(&measurement.subjects, || vec![Mesh::bunny()])?;
+        tasks::say_all_rounding(&measurement.subjects, &meshes);
         Ok(Self { settings, measurement, meshes })
     }
 
@@ -69,7 +70,5 @@ pub(crate) fn command() -> String {
 
 /// Reads a record.
 pub(crate) fn read(path: &Path) -> Result<Records> {
-    let file = File::open(path)
-        .map_err(|error| anyhow!("{}: cannot be read ({error}); check the path", path.display()))?;
-    Records::read(std::io::BufReader::new(file)).with_context(|| path.display().to_string())
+    Records::load(path).with_context(|| path.display().to_string())
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 use anyhow::{Context as _, Result, anyhow};
 use serde::Serialize;
 use trisect_core::{Output, Triangle};
-use trisect_harness::{Candidate, Explanation, Omission, RecommendSettings};
+use trisect_harness::{Candidate, Explanation, Inputs, Omission, RecommendSettings};
 use trisect_render::{Settings, Stage};
 use trisect_scene::Scene;
 
@@ -41,7 +41,8 @@ struct Report {
 
 pub(crate) fn run(arguments: &Explain) -> Result<()> {
     let entry = tasks::method(&arguments.method)?;
-    let scene = Scene::load(&arguments.scene)?;
+    let scene = Scene::load_with(&arguments.scene, &(&arguments.reading).into())?;
+    tasks::say_notes(&scene.notes);
     let settings = Settings {
         depth: arguments.depth,
         lights: arguments.lights.map_or(usize::MAX, usize::from),
@@ -114,6 +115,7 @@ fn fastest(
     if rays.is_empty() {
         return Ok(Vec::new());
     }
+    let inputs = Inputs::new(rays, triangles[largest].clone());
     let settings = RecommendSettings {
         seed: arguments.seed,
         needs: Output::T,
@@ -124,7 +126,7 @@ fn fastest(
         time: Duration::from_secs_f64(arguments.seconds),
         exhaustive: false,
     };
-    let found = trisect_harness::recommend(&settings, &triangles[largest], &rays, bar)?;
+    let found = trisect_harness::recommend(&settings, &inputs, bar)?;
     let mut fastest: Vec<Candidate> = Vec::new();
     for candidate in found.ranking {
         if fastest.iter().all(|other| other.variant.method != candidate.variant.method) {
@@ -157,7 +159,11 @@ impl Report {
             || format!("{} has no such kernel", self.method),
             |own| {
                 let behind = (own.ns_per_test / ns_per_test - 1.0) * 100.0;
-                format!("{} is {behind:.0} % behind", self.method)
+                let mut says = format!("{} is {behind:.0} % behind", self.method);
+                if own.wrong.total() > 0 {
+                    says += &format!(", with {} wrong decisions", own.wrong.total());
+                }
+                says
             },
         );
         [first, second]

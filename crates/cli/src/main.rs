@@ -22,6 +22,7 @@ mod verify;
 
 use std::process::ExitCode;
 
+use anyhow::Result;
 use clap::{CommandFactory as _, Parser as _};
 use trisect_harness::{NotExact, RecommendError, StudyError, WrongAnswer};
 
@@ -42,8 +43,18 @@ fn one_line(message: &str) -> String {
 }
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    let done = match arguments.verb {
+    match Arguments::try_parse() {
+        Ok(arguments) => ended(run(arguments), ExitCode::SUCCESS),
+        Err(message) => {
+            let code = if message.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS };
+            ended(output::print_by_clap(&message), code)
+        }
+    }
+}
+
+/// Does what is asked.
+fn run(arguments: Arguments) -> Result<()> {
+    match arguments.verb {
         None => compare::run(&arguments.compare),
         Some(Verb::List(arguments)) => list::run(&arguments),
         Some(Verb::Measure(arguments)) => compare::measure(&arguments),
@@ -66,12 +77,16 @@ fn main() -> ExitCode {
             clap_complete::generate(shell, &mut Arguments::command(), "trisect", &mut script);
             out.write_all(&script)
         }),
-    };
+    }
+}
+
+/// How the program ends: with `code` where all was done, and else with a line that says why not.
+fn ended(done: Result<()>, code: ExitCode) -> ExitCode {
     match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if output::is_closed_pipe(&error) => ExitCode::SUCCESS,
+        Ok(()) => code,
+        Err(error) if output::is_closed_pipe(&error) => code,
         Err(error) => {
-            eprintln!("trisect: {}", one_line(&format!("{error:#}")));
+            output::say(format_args!("trisect: {}", one_line(&format!("{error:#}"))));
             // 2: the input is at fault, as for clap's own errors; 1: trisect is.
             let is_ours = error.is::<WrongAnswer>()
                 || error.is::<NotExact>()

@@ -2,10 +2,11 @@
 
 use anyhow::Result;
 use trisect_harness::OmissionSettings;
+use trisect_report::Chapter;
 
 use crate::arguments::Omissions;
 use crate::progress::Bar;
-use crate::{output, records, tasks};
+use crate::{records, tasks};
 
 /// How much is studied.
 struct Size {
@@ -26,7 +27,7 @@ const FULL: Size = Size { rounds: 51, tests: 512, pixels: 256, picture: [320, 24
 pub(crate) fn run(arguments: &Omissions) -> Result<()> {
     let Omissions { seed, quick, shrink, output, json, .. } = arguments;
     let methods = tasks::methods(&arguments.methods)?;
-    output::check_folder(output)?;
+    records::check(Chapter::Omissions, output)?;
     let Size { rounds, tests, pixels, picture } = if *quick { QUICK } else { FULL };
     let mut bar = Bar::new();
     let mut taken = records::of_machine(*seed, rounds, &mut bar)?;
@@ -41,5 +42,5 @@ pub(crate) fn run(arguments: &Omissions) -> Result<()> {
     };
     taken.lines.extend(trisect_harness::omissions(&settings, &mut bar)?);
     drop(bar);
-    records::keep(&taken, output, "omissions.jsonl", *json, records::publish_omissions)
+    records::keep(Chapter::Omissions, &taken, output, *json)
 }

@@ -1,11 +1,13 @@
-//! Writing: to standard output, or to a file that is there whole or not at all.
+//! Writing: data to standard output, talk to standard error, and files that are there whole or not at
+//! all.
 
-use std::fs;
+use std::fmt::Display;
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use anyhow::{Context as _, Result, anyhow, bail};
+use anyhow::{Error, Result, anyhow, bail};
 use serde::Serialize;
+use trisect_harness::file::{self, WriteError};
 
 /// Refuses a folder that cannot be written, before any work is done for it.
 pub(crate) fn check_folder(folder: &Path) -> Result<()> {
@@ -13,16 +15,13 @@ pub(crate) fn check_folder(folder: &Path) -> Result<()> {
 }
 
 fn check_folder_for(folder: &Path, option: &str) -> Result<()> {
-    fs::create_dir_all(folder)
-        .and_then(|()| tempfile::Builder::new().prefix(".trisect-").tempfile_in(folder))
-        .map(drop)
-        .map_err(|error| {
-            let folder = folder.display();
-            anyhow!(
-                "{folder}: cannot write to this folder ({error}); name another with {option}",
-                error = without_path(&error)
-            )
-        })
+    file::check_folder(folder).map_err(|error: WriteError| {
+        let said = error.said();
+        anyhow!(
+            "{}: cannot write to this folder ({said}); name another with {option}",
+            folder.display()
+        )
+    })
 }
 
 /// Refuses a place that a file cannot be written to, before any work is done for it.
@@ -35,43 +34,40 @@ pub(crate) fn check_file_for(file: &Path, option: &str) -> Result<()> {
     if file.is_dir() {
         bail!("{}: is a folder; name a file with {option}", file.display());
     }
-    check_folder_for(folder_of(file), option)
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    check_folder_for(folder.unwrap_or(Path::new(".")), option)
 }
 
-/// What the system said, without the temporary file's name that was tried.
-fn without_path(error: &io::Error) -> String {
-    error
-        .raw_os_error()
-        .map_or_else(|| error.to_string(), |code| io::Error::from_raw_os_error(code).to_string())
-}
-
-/// The folder that a file lies in.
-fn folder_of(file: &Path) -> &Path {
-    match file.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
-}
-
-/// Writes a file beside its place, then renames it.
-pub(crate) fn write_file(
-    file: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<()> {
-    trisect_harness::file::replace(file, write)
-        .with_context(|| format!("{}: cannot write", file.display()))
+/// Says something on standard error, in a line of its own.
+///
+/// A stream that is closed or full is no reason to fail, let alone to panic: what is asked for goes to
+/// standard output, and whether it was done is in the exit code.
+pub(crate) fn say(line: impl Display) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
 }
 
 /// Prints through a buffer.
 pub(crate) fn print(write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<()> {
     let mut out = BufWriter::new(io::stdout().lock());
-    write(&mut out)?;
-    out.flush()?;
-    Ok(())
+    write(&mut out).and_then(|()| out.flush()).map_err(not_printed)
+}
+
+/// Why nothing was printed.
+fn not_printed(error: io::Error) -> Error {
+    Error::new(error).context("standard output: cannot be written")
+}
+
+/// Prints what is no value of ours: the help, the version, or why an argument is refused.
+pub(crate) fn print_by_clap(message: &clap::Error) -> Result<()> {
+    let printed = message.print();
+    if message.use_stderr() {
+        return Ok(());
+    }
+    printed.and_then(|()| io::stdout().flush()).map_err(not_printed)
 }
 
 /// Whether the reader of our output went away: no failure of ours.
-pub(crate) fn is_closed_pipe(error: &anyhow::Error) -> bool {
+pub(crate) fn is_closed_pipe(error: &Error) -> bool {
     error.chain().any(|cause| {
         cause
             .downcast_ref::<io::Error>()

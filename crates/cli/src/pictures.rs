@@ -4,15 +4,16 @@ use std::num::NonZero;
 
 use anyhow::Result;
 use trisect_harness::PictureSettings;
+use trisect_report::Chapter;
 
 use crate::arguments::Pictures;
 use crate::progress::Bar;
-use crate::{output, records, tasks};
+use crate::{records, tasks};
 
 /// Studies, prints the summary, and adds page and record to the report.
 pub(crate) fn run(arguments: &Pictures) -> Result<()> {
     let methods = tasks::methods(&arguments.methods)?;
-    output::check_folder(&arguments.output)?;
+    records::check(Chapter::Pictures, &arguments.output)?;
     let rounds = if arguments.quick { 3 } else { 7 };
     let mut bar = Bar::new();
     let mut taken = records::of_machine(arguments.seed, rounds, &mut bar)?;
@@ -29,5 +30,5 @@ pub(crate) fn run(arguments: &Pictures) -> Result<()> {
     drop(bar);
 
     let Pictures { output, json, .. } = arguments;
-    records::keep(&taken, output, "pictures.jsonl", *json, records::publish_pictures)
+    records::keep(Chapter::Pictures, &taken, output, *json)
 }

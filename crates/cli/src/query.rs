@@ -1,6 +1,7 @@
 //! `trisect query`: rays against a mesh.
 
 use std::io::{self, Write};
+use std::sync::Arc;
 
 use anyhow::{Result, anyhow, bail};
 use rayon::prelude::*;
@@ -10,6 +11,7 @@ use trisect_core::{
     Culling, Hit, Output, Precision, Ray, Scalar as _, Triangle, UnsuitableMesh, Vec3,
 };
 use trisect_oracle::{Exact, Oracle};
+use trisect_workloads::{Mesh, RaysFile};
 
 use crate::arguments::{self, Query};
 use crate::{list, output, tasks};
@@ -60,12 +62,16 @@ pub(crate) fn run(arguments: &Query) -> Result<()> {
                 arguments,
                 |entry| &entry.f32,
                 |file| file.rays_f32,
-                |triangle| triangle,
+                |mesh| {
+                    let mend = "--precision f64 keeps them where they are";
+                    tasks::say_rounding(&arguments.mesh, mesh, mend);
+                    Arc::clone(&mesh.triangles)
+                },
                 in_tree.then_some(in_tree_of),
             )
         }
         arguments::Precision::F64 => {
-            answer(arguments, |entry| &entry.f64, |file| file.rays, Triangle::from, None)
+            answer(arguments, |entry| &entry.f64, |file| file.rays, Mesh::triangles_f64, None)
         }
     }
 }
@@ -73,8 +79,8 @@ pub(crate) fn run(arguments: &Query) -> Result<()> {
 fn answer<E: Precision + Serialize>(
     arguments: &Query,
     kernels: impl Fn(&'static Entry) -> &'static Kernels<E>,
-    rays: impl Fn(trisect_workloads::RaysFile) -> Vec<Ray<E>>,
-    triangle: impl Fn(Triangle<f32>) -> Triangle<E>,
+    rays: impl Fn(RaysFile) -> Vec<Ray<E>>,
+    triangles: impl Fn(&Mesh) -> Arc<[Triangle<E>]>,
     tree: Option<InTree<E>>,
 ) -> Result<()> {
     // What is typed is checked before what is read.
@@ -85,9 +91,8 @@ fn answer<E: Precision + Serialize>(
         let kernels = kernels(entry);
         Some((entry, kernels, choose(arguments, kernels)?))
     };
-    let mesh = tasks::load_mesh(&arguments.mesh)?;
-    let rays = rays(tasks::load_rays(&arguments.rays)?);
-    let triangles: Vec<_> = mesh.triangles.iter().copied().map(triangle).collect();
+    let triangles = triangles(&tasks::load_mesh(&arguments.mesh, &arguments.reading)?);
+    let rays = rays(tasks::load_rays(&arguments.rays, &arguments.reading)?);
     let culling = arguments.cull.into();
     let answers = match finder {
         None => truth(&rays, &triangles, culling, arguments.any),

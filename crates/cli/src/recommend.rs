@@ -22,14 +22,15 @@ struct Report {
 }
 
 pub(crate) fn run(arguments: &Recommend) -> Result<()> {
-    let mesh = tasks::load_mesh(&arguments.mesh)?;
-    let rays = match &arguments.rays {
+    let mesh = tasks::load_mesh(&arguments.mesh, &arguments.reading)?;
+    tasks::say_rounding(&arguments.mesh, &mesh, "kernels in f32 are judged by where they move to");
+    let inputs = match &arguments.rays {
         Some(path) => {
-            let rays = tasks::load_rays(path)?;
+            let rays = tasks::load_rays(path, &arguments.reading)?;
             tasks::some_rays(&rays, path)?;
-            rays.rays_f32
+            tasks::inputs(rays, &mesh)
         }
-        None => tasks::usual_rays(arguments.seed, &mesh),
+        None => tasks::inputs_of(tasks::usual_rays(arguments.seed, &mesh), &mesh),
     };
     let settings = RecommendSettings {
         seed: arguments.seed,
@@ -42,7 +43,7 @@ pub(crate) fn run(arguments: &Recommend) -> Result<()> {
         exhaustive: arguments.exhaustive,
     };
     let mut bar = Bar::new();
-    let found = trisect_harness::recommend(&settings, &mesh.triangles, &rays, &mut bar)?;
+    let found = trisect_harness::recommend(&settings, &inputs, &mut bar)?;
     drop(bar);
     let rust = found.ranking.first().map_or_else(String::new, |best| lines::of(&best.variant));
     let report = Report { mesh: mesh.name, found, rust };

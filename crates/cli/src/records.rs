@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, anyhow, bail};
 use serde::Serialize;
 use trisect_harness::Settings;
+use trisect_harness::file::Files;
 use trisect_harness::record::{Record, Records};
-use trisect_report::{Filter, Page, PageError};
+use trisect_mesh::{ReadOptions, Reading};
+use trisect_report::{Chapter, Filter, Page};
 
 use crate::arguments::{Cmp, Rank, Report};
 use crate::compare::{command, read};
@@ -66,36 +68,31 @@ pub(crate) fn report(arguments: &Report) -> Result<()> {
     if !arguments.splice.is_empty() {
         return splice(&records, &arguments.splice);
     }
-    output::check_folder(&arguments.output)?;
-    if records.lines.iter().any(|line| matches!(line, Record::Stress(_))) {
-        return publish_stress(&records, &arguments.output, arguments.json);
-    }
-    if records.lines.iter().any(|line| matches!(line, Record::Frames(_))) {
-        return publish_pictures(&records, &arguments.output, arguments.json);
-    }
-    if records.lines.iter().any(|line| matches!(line, Record::Omission(_))) {
-        return publish_omissions(&records, &arguments.output, arguments.json);
-    }
-    if records.lines.iter().any(|line| matches!(line, Record::Traced(_))) {
-        return publish_study(&records, &arguments.output, arguments.json);
-    }
-    publish(&records, &arguments.output, arguments.json)
+    let chapter = Chapter::of(&records);
+    check(chapter, &arguments.output)?;
+    tell(chapter, &chapter.publish(&records, &arguments.output)?, &records, arguments.json)
 }
 
 /// Makes what stands between markers anew: in all documents, or where one is not sound in none.
 fn splice(records: &Records, documents: &[PathBuf]) -> Result<()> {
     let mut spliced = Vec::new();
     for path in documents {
-        let document = std::fs::read_to_string(path).map_err(|error| {
-            anyhow!("{}: cannot be read ({error}); check the path", path.display())
-        })?;
+        let document = Reading::new(&ReadOptions::default())
+            .file(path)
+            .map_err(|problem| anyhow!("{}: {problem}", path.display()))?;
+        let document = String::from_utf8(document)
+            .map_err(|_| anyhow!("{}: is not UTF-8; save it as that", path.display()))?;
         let text = trisect_report::splice(&document, records)
             .with_context(|| path.display().to_string())?;
         spliced.push((path, text));
     }
-    for (path, text) in spliced {
-        output::write_file(path, |out| out.write_all(text.as_bytes()))?;
-        eprintln!("spliced {}", path.display());
+    let mut files = Files::default();
+    for (path, text) in &spliced {
+        files.add(path, |out| out.write_all(text.as_bytes()))?;
+    }
+    files.commit()?;
+    for (path, _) in spliced {
+        output::say(format_args!("spliced {}", path.display()));
     }
     Ok(())
 }
@@ -106,84 +103,37 @@ pub(crate) fn of_machine(seed: u64, rounds: usize, progress: &mut Bar) -> Result
     Ok(trisect_harness::measure(&settings, [], progress)?)
 }
 
-/// What is made of a record: a page in a folder, and its summary, printed.
-pub(crate) type Publish = fn(&Records, &Path, bool) -> Result<()>;
+/// Refuses a folder that a chapter could not be published in, before any work is done for it.
+pub(crate) fn check(chapter: Chapter, folder: &Path) -> Result<()> {
+    output::check_folder(folder)?;
+    Ok(chapter.check(folder)?)
+}
 
-/// Writes a record that was taken for a report, and publishes it there.
-pub(crate) fn keep(
-    taken: &Records,
-    folder: &Path,
-    name: &str,
-    json: bool,
-    publish: Publish,
-) -> Result<()> {
-    let file = folder.join(name);
-    output::write_file(&file, |out| taken.write(out))?;
-    publish(taken, folder, json)?;
-    eprintln!("record  {}", file.display());
+/// Publishes a record that was taken for a report, with its page, and prints its summary.
+pub(crate) fn keep(chapter: Chapter, taken: &Records, folder: &Path, json: bool) -> Result<()> {
+    let page = chapter.keep(taken, folder)?;
+    tell(chapter, &page, taken, json)?;
+    output::say(format_args!("record  {}", folder.join(chapter.record()).display()));
     Ok(())
-}
-
-/// Writes the page and prints the summary.
-pub(crate) fn publish(records: &Records, folder: &Path, json: bool) -> Result<()> {
-    let page = trisect_report::write_page(records, folder)
-        .with_context(|| format!("{}: cannot write the page", folder.display()))?;
-    let summary = trisect_report::summary(records);
-    tell(&page, &summary, &summary.to_text(COLUMNS), json)
-}
-
-/// Adds the page of the stability study to a report and prints its summary.
-pub(crate) fn publish_stress(records: &Records, folder: &Path, json: bool) -> Result<()> {
-    let page = add(folder, || trisect_report::write_stress_page(records, folder))?;
-    let summary = trisect_report::stress_summary(records);
-    tell(&page, &summary, &summary.to_text(COLUMNS), json)
-}
-
-/// Adds the page of the tracer's study to a report and prints its summary.
-pub(crate) fn publish_study(records: &Records, folder: &Path, json: bool) -> Result<()> {
-    let page = add(folder, || trisect_report::write_study_page(records, folder))?;
-    let summary = trisect_report::study_summary(records);
-    tell(&page, &summary, &summary.to_text(COLUMNS), json)
-}
-
-/// Adds the page of the study of pictures to a report and prints its summary.
-pub(crate) fn publish_pictures(records: &Records, folder: &Path, json: bool) -> Result<()> {
-    let page = add(folder, || trisect_report::write_pictures_page(records, folder))?;
-    let summary = trisect_report::picture_summary(records);
-    tell(&page, &summary, &summary.to_text(COLUMNS), json)
-}
-
-/// Adds the page of the study of omissions to a report and prints its summary.
-pub(crate) fn publish_omissions(records: &Records, folder: &Path, json: bool) -> Result<()> {
-    let page = add(folder, || trisect_report::write_omissions_page(records, folder))?;
-    let summary = trisect_report::omission_summary(records);
-    tell(&page, &summary, &summary.to_text(COLUMNS), json)
 }
 
 /// Prints a summary, and says where the page is.
-fn tell(page: &Page, summary: &impl Serialize, text: &str, json: bool) -> Result<()> {
-    show(summary, text, json)?;
-    eprintln!("\npage    {}", page.index.display());
-    Ok(())
-}
-
-/// Adds a page to a report. The pages that are there lead to the new one from now on.
-fn add(folder: &Path, write: impl FnOnce() -> Result<Page, PageError>) -> Result<Page> {
-    let cannot_write = || format!("{}: cannot write the page", folder.display());
-    let page = write().with_context(cannot_write)?;
-    for (record, drawn, write) in [
-        ("record.jsonl", "index.html", trisect_report::write_page as fn(&_, &_) -> _),
-        ("stress.jsonl", "stress.html", trisect_report::write_stress_page),
-        ("study.jsonl", "study.html", trisect_report::write_study_page),
-        ("pictures.jsonl", "pictures.html", trisect_report::write_pictures_page),
-        ("omissions.jsonl", "omissions.html", trisect_report::write_omissions_page),
-    ] {
-        let record = folder.join(record);
-        if record.exists() && folder.join(drawn) != page.index {
-            write(&read(&record)?, folder).with_context(cannot_write)?;
-        }
+fn tell(chapter: Chapter, page: &Page, records: &Records, json: bool) -> Result<()> {
+    macro_rules! show {
+        ($summary:path) => {{
+            let summary = $summary(records);
+            show(&summary, &summary.to_text(COLUMNS), json)
+        }};
     }
-    Ok(page)
+    match chapter {
+        Chapter::Comparison => show!(trisect_report::summary),
+        Chapter::Stress => show!(trisect_report::stress_summary),
+        Chapter::Tracer => show!(trisect_report::study_summary),
+        Chapter::Pictures => show!(trisect_report::picture_summary),
+        Chapter::Omissions => show!(trisect_report::omission_summary),
+    }?;
+    output::say(format_args!("\npage    {}", page.index.display()));
+    Ok(())
 }
 
 pub(crate) fn show(value: &impl Serialize, text: &str, json: bool) -> Result<()> {

@@ -8,7 +8,7 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, anyhow, bail};
 use serde::Serialize;
 use trisect_catalog::Tracing;
-use trisect_harness::{Progress as _, nanoseconds};
+use trisect_harness::{Progress as _, file, nanoseconds};
 use trisect_render::{ImageFormat, Mode, Occlusion, Renderer, Sampling, Settings, Stage, Watch};
 use trisect_scene::Scene;
 
@@ -51,7 +51,8 @@ pub(crate) fn run(arguments: &Render) -> Result<()> {
     let format = ImageFormat::of(out).map_err(|error| anyhow!("{}: {error}", out.display()))?;
     output::check_file_for(out, "--out")?;
     let start = Instant::now();
-    let scene = Scene::load(&arguments.scene)?;
+    let scene = Scene::load_with(&arguments.scene, &(&arguments.reading).into())?;
+    tasks::say_notes(&scene.notes);
     let load = start.elapsed();
     let settings = settings(arguments, &scene)?;
     let (lights, instances) = (scene.lights.len().min(settings.lights), scene.instances.len());
@@ -81,7 +82,7 @@ pub(crate) fn run(arguments: &Render) -> Result<()> {
     image
         .write(format, &mut encoded)
         .with_context(|| format!("{}: cannot write", out.display()))?;
-    output::write_file(out, |file| file.write_all(encoded.get_ref()))?;
+    file::replace(out, |file| file.write_all(encoded.get_ref()))?;
 
     let counts = renderer.counts();
     let report = Report {

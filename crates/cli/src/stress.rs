@@ -3,12 +3,12 @@
 use anyhow::{Result, bail};
 use trisect_catalog::Entry;
 use trisect_harness::{NotExact, Settings, StressSettings};
-use trisect_report::exactness_summary;
+use trisect_report::{Chapter, exactness_summary};
 
 use crate::arguments::Stress;
 use crate::compare::command;
 use crate::progress::Bar;
-use crate::{output, records, tasks};
+use crate::{records, tasks};
 
 /// How much is studied.
 struct Size {
@@ -47,7 +47,7 @@ pub(crate) fn run(arguments: &Stress) -> Result<()> {
     if let Some(tests) = arguments.exact {
         return hold_to_exactness(arguments, methods, tests);
     }
-    output::check_folder(&arguments.output)?;
+    records::check(Chapter::Stress, &arguments.output)?;
 
     let settings = Settings {
         command: command(),
@@ -73,7 +73,7 @@ pub(crate) fn run(arguments: &Stress) -> Result<()> {
     drop(bar);
 
     let Stress { output, json, .. } = arguments;
-    records::keep(&taken, output, "stress.jsonl", *json, records::publish_stress)
+    records::keep(Chapter::Stress, &taken, output, *json)
 }
 
 /// Nothing but methods that claim to be exact against the oracle, in so many tests.

@@ -4,12 +4,13 @@ use std::num::NonZero;
 
 use anyhow::Result;
 use trisect_harness::{REFERENCE, Settings, StudySettings, keep_for_study};
+use trisect_report::Chapter;
 use trisect_workloads::{Mesh, hall};
 
 use crate::arguments::Study;
 use crate::compare::command;
 use crate::progress::Bar;
-use crate::{output, records, tasks};
+use crate::{records, tasks};
 
 /// How much is studied.
 struct Size {
@@ -31,7 +32,8 @@ pub(crate) fn run(arguments: &Study) -> Result<()> {
         methods.insert(0, reference);
     }
     let scenes = tasks::meshes(subjects, || vec![Mesh::bunny(), hall()])?;
-    output::check_folder(&arguments.output)?;
+    tasks::say_all_rounding(subjects, &scenes);
+    records::check(Chapter::Tracer, &arguments.output)?;
 
     let settings = Settings {
         command: command(),
@@ -57,5 +59,5 @@ pub(crate) fn run(arguments: &Study) -> Result<()> {
     drop(bar);
 
     let Study { output, json, .. } = arguments;
-    records::keep(&taken, output, "study.jsonl", *json, records::publish_study)
+    records::keep(Chapter::Tracer, &taken, output, *json)
 }

@@ -1,16 +1,17 @@
 //! What is measured: methods, meshes and rays, as the arguments name them.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use anyhow::{Result, anyhow, bail};
 use trisect_catalog::{Entry, entries, find};
 use trisect_core::{Culling, Hit, Ray};
-use trisect_harness::Task;
 use trisect_harness::record::Family;
+use trisect_harness::{Inputs, Task};
+use trisect_mesh::Note;
 use trisect_workloads::{Light, Mesh, RaysFile, Share, Workload};
 
-use crate::arguments::{Measurement, Subjects};
+use crate::arguments::{Measurement, Reading, Subjects};
+use crate::output;
 
 /// How much is measured.
 struct Size {
@@ -70,7 +71,7 @@ pub(crate) fn meshes(subjects: &Subjects, others: fn() -> Vec<Mesh>) -> Result<V
     }
     let mut meshes: Vec<Mesh> = Vec::new();
     for path in &subjects.mesh {
-        let mesh = load_mesh(path)?;
+        let mesh = load_mesh(path, &subjects.reading)?;
         // Workloads are told apart by the mesh's name.
         if meshes.iter().any(|other| other.name == mesh.name) {
             bail!(
@@ -84,26 +85,58 @@ pub(crate) fn meshes(subjects: &Subjects, others: fn() -> Vec<Mesh>) -> Result<V
     Ok(meshes)
 }
 
-/// Loads a mesh, and says how many of its triangles are degenerate.
-pub(crate) fn load_mesh(path: &Path) -> Result<Mesh> {
-    let mesh = Mesh::load(path)?;
+/// Loads a mesh, and says what its reader passed over and how many of its triangles are degenerate.
+pub(crate) fn load_mesh(path: &Path, reading: &Reading) -> Result<Mesh> {
+    let mesh = Mesh::load_with(path, &reading.into())?;
+    say_notes(&mesh.notes);
     if mesh.degenerate > 0 {
-        eprintln!(
+        output::say(format_args!(
             "{}: {} of {} triangles are degenerate and never hit",
             path.display(),
             mesh.degenerate,
             mesh.triangles.len()
-        );
+        ));
     }
     Ok(mesh)
 }
 
-/// Reads rays from a file, or from standard input for `-`.
-pub(crate) fn load_rays(path: &Path) -> Result<RaysFile> {
-    if path.as_os_str() == "-" {
-        return Ok(trisect_workloads::read_rays_csv("standard input", std::io::stdin().lock())?);
+/// Says what readers passed over.
+pub(crate) fn say_notes(notes: &[Note]) {
+    for note in notes {
+        output::say(note);
     }
-    Ok(trisect_workloads::read_rays(path)?)
+}
+
+/// Says by how much rounding to f32 moves a mesh, where that is more than f32 rounds numbers as large as
+/// the mesh: as far from the origin. `mend` says what to do.
+pub(crate) fn say_rounding(path: &Path, mesh: &Mesh, mend: &str) {
+    let rounding = mesh.rounding();
+    if rounding > f64::from(f32::EPSILON) {
+        output::say(format_args!(
+            "{}: rounded to f32 its corners move by up to {rounding:.1e} of its size; {mend}",
+            path.display()
+        ));
+    }
+}
+
+/// The same of all meshes that were read, where everything is in f32.
+pub(crate) fn say_all_rounding(subjects: &Subjects, meshes: &[Mesh]) {
+    for (path, mesh) in subjects.mesh.iter().zip(meshes) {
+        say_rounding(path, mesh, MOVE);
+    }
+}
+
+/// What to do about rounding where everything is in f32.
+pub(crate) const MOVE: &str = "move it to the origin before it is written";
+
+/// Reads rays from a file, or from standard input for `-`.
+pub(crate) fn load_rays(path: &Path, reading: &Reading) -> Result<RaysFile> {
+    let options = reading.into();
+    if path.as_os_str() == "-" {
+        let input = std::io::stdin().lock();
+        return Ok(trisect_workloads::read_rays_csv_with("standard input", input, &options)?);
+    }
+    Ok(trisect_workloads::read_rays_with(path, &options)?)
 }
 
 /// The workloads of a comparison: random, each mesh with its four sets of rays, the two series,
@@ -165,21 +198,44 @@ pub(crate) fn verification(
         let workload = trisect_workloads::random(seed, QUICK.random, QUICK.random);
         return vec![task(workload, Family::Random, 0), edges(seed, QUICK.edges)];
     }
-    let workloads = meshes.iter().flat_map(|mesh| match rays {
-        Some(rays) => vec![Workload {
+    let tasks = meshes.iter().flat_map(|mesh| match rays {
+        Some(rays) => vec![Task {
             name: format!("{}/rays", mesh.name),
             description: format!("the rays given, against {}", mesh.name),
-            rays: rays.rays_f32.clone(),
-            triangles: Arc::clone(&mesh.triangles),
+            family: Family::Mesh,
+            inputs: inputs(rays.clone(), mesh),
+            timed_rays: 0,
         }],
-        None => mesh_workloads(seed, mesh, QUICK.picture).into(),
+        None => mesh_workloads(seed, mesh, QUICK.picture)
+            .map(|Workload { name, description, rays, .. }| Task {
+                name,
+                description,
+                family: Family::Mesh,
+                inputs: inputs_of(rays, mesh),
+                timed_rays: 0,
+            })
+            .into(),
     });
-    workloads.map(|workload| task(workload, Family::Mesh, 0)).collect()
+    tasks.collect()
 }
 
 fn task(workload: Workload, family: Family, timed_rays: usize) -> Task {
     let Workload { name, description, rays, triangles } = workload;
-    Task { name, description, family, rays, triangles: triangles.to_vec(), timed_rays }
+    let inputs = Inputs::new(rays, triangles.to_vec());
+    Task { name, description, family, inputs, timed_rays }
+}
+
+/// Rays and a mesh as their files hold them, for the kernels of either precision.
+pub(crate) fn inputs(rays: RaysFile, mesh: &Mesh) -> Inputs {
+    let RaysFile { rays, rays_f32 } = rays;
+    let rounded = (rays_f32, mesh.triangles.to_vec());
+    Inputs::rounded(rounded, (rays, mesh.triangles_f64().to_vec()), mesh.rounding())
+}
+
+/// The same of rays that are made in f32.
+pub(crate) fn inputs_of(rays_f32: Vec<Ray<f32>>, mesh: &Mesh) -> Inputs {
+    let rays = rays_f32.iter().map(|&ray| ray.into()).collect();
+    inputs(RaysFile { rays, rays_f32 }, mesh)
 }
 
 /// Rays that a renderer sends through a mesh: a camera's, scattered and shadow rays.

@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result, anyhow};
 use serde::Serialize;
 use trisect_catalog::{Statistics, Tracing, Tree, TriangleHit};
 use trisect_core::{Culling, Ray};
-use trisect_harness::nanoseconds;
+use trisect_harness::{file, nanoseconds};
 
 use crate::arguments::Trace;
 use crate::{output, tasks};
@@ -50,8 +50,9 @@ pub(crate) fn run(arguments: &Trace) -> Result<()> {
     if let Some(file) = &arguments.out {
         output::check_file_for(file, "--out")?;
     }
-    let mesh = tasks::load_mesh(&arguments.mesh)?;
-    let rays = tasks::load_rays(&arguments.rays)?.rays_f32;
+    let mesh = tasks::load_mesh(&arguments.mesh, &arguments.reading)?;
+    tasks::say_rounding(&arguments.mesh, &mesh, tasks::MOVE);
+    let rays = tasks::load_rays(&arguments.rays, &arguments.reading)?.rays_f32;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.map_or(0, usize::from))
         .build()
@@ -95,7 +96,7 @@ pub(crate) fn run(arguments: &Trace) -> Result<()> {
             .collect(),
     };
     if let Some(file) = &arguments.out {
-        output::write_file(file, |out| found.write(out))?;
+        file::replace(file, |out| found.write(out))?;
     }
     output::print_as(arguments.json, &report, |out| report.print(out))
 }

@@ -24,9 +24,12 @@ pub(crate) fn run(arguments: &Verify) -> Result<()> {
     } else {
         tasks::meshes(&arguments.subjects, Vec::new)?
     };
+    for (path, mesh) in arguments.subjects.mesh.iter().zip(&meshes) {
+        tasks::say_rounding(path, mesh, "kernels in f32 are judged by where they move to");
+    }
     let rays = match &arguments.rays {
         Some(path) => {
-            let rays = tasks::load_rays(path)?;
+            let rays = tasks::load_rays(path, &arguments.subjects.reading)?;
             tasks::some_rays(&rays, path)?;
             Some(rays)
         }

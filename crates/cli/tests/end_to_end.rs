@@ -6,6 +6,7 @@ use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _};
 
 use common::{CSV, Folder};
+use trisect_testkit::process;
 
 const QUERY: &str = "query --mesh mesh.obj --method moller-trumbore --rays";
 
@@ -178,7 +179,7 @@ fn a_closed_pipe_is_no_failure() {
             .expect("it is piped")
             .read_to_string(&mut stderr)
             .expect("trisect prints UTF-8");
-        let status = child.wait().expect("it ends");
+        let status = process::ended(&mut child);
         assert_eq!((status.code(), stderr.as_str()), (Some(0), ""), "{arguments}");
     }
 }

@@ -15,6 +15,7 @@ fn documents_show_what_trisect_prints() {
         .register_bin("trisect", Path::new(env!("CARGO_BIN_EXE_trisect")))
         .register_bin("cargo", trycmd::schema::Bin::Ignore)
         .env("COLUMNS", "80")
+        .timeout(trisect_testkit::process::STUCK)
         .case("*.md")
         .case("docs/*.md");
 }

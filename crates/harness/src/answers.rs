@@ -3,10 +3,10 @@
 use std::ops::ControlFlow;
 
 use trisect_catalog::{Finder, Scene};
-use trisect_core::{Culling, Hit, Output, Ray, Triangle, Vec3};
+use trisect_core::{Culling, Hit, Output, Vec3};
 
 use crate::record::{ClassCount, Quantiles};
-use crate::subject::{Subject, Truth};
+use crate::subject::{Judged, Truth};
 use crate::timing::Expected;
 
 /// One pair that hits.
@@ -53,13 +53,7 @@ impl Answers {
 
     /// What a timed kernel of the same variant must return that is asked for `asked`: the hits, and
     /// the sum of what [`Needs::fold`](trisect_core::Needs::fold) makes of each.
-    pub(crate) fn expected(
-        &self,
-        asked: Output,
-        unit_roundoff: f64,
-        rays: &[Ray<f64>],
-        triangles: &[Triangle<f64>],
-    ) -> Expected {
+    pub(crate) fn expected(&self, asked: Output, unit_roundoff: f64, of: &dyn Judged) -> Expected {
         let hits = self.pairs.len() as u64;
         let (mut sum, mut magnitude) = (0.0, 0.0);
         let mut add = |terms: &[f64], size: f64| {
@@ -76,11 +70,11 @@ impl Answers {
                     add(&terms, terms.map(f64::abs).iter().sum());
                 }
                 Output::Point => {
-                    let ray = &rays[*ray as usize];
+                    let ray = of.ray(*ray);
                     add(&ray.at(hit.t).to_array(), size(ray.o) + size(ray.d) * hit.t.abs());
                 }
                 Output::Normal => {
-                    let triangle = &triangles[*triangle as usize];
+                    let triangle = of.triangle(*triangle);
                     let (e1, e2) = (triangle.b - triangle.a, triangle.c - triangle.a);
                     // Corners round before edges do, and edges before their products.
                     let reach = size(triangle.a) + size(e1) + size(e2);
@@ -106,7 +100,7 @@ impl Answers {
     ) -> (u64, Quantiles, Quantiles) {
         let mut relative = Vec::new();
         let mut ulps = Vec::new();
-        for (pair, reference) in both(&self.pairs, reference) {
+        for (pair, reference) in shared(&self.pairs, reference) {
             let (x, exact) = (quantity(&pair.hit), quantity(&reference.hit));
             let error = (x - exact).abs();
             if error == 0.0 {
@@ -129,24 +123,19 @@ impl Answers {
         reference: &[Pair],
         measure: impl Fn(&Hit<f64>, &Hit<f64>) -> f64,
     ) -> Quantiles {
-        let shared = both(&self.pairs, reference);
-        quantiles(shared.map(|(pair, exact)| measure(&pair.hit, &exact.hit)).collect())
-    }
-
-    /// Pairs that one of both calls a hit, and the other does not.
-    pub(crate) fn disagreements(&self, reference: &[Pair]) -> usize {
-        self.pairs.len() + reference.len() - 2 * both(&self.pairs, reference).count()
+        let pairs = shared(&self.pairs, reference);
+        quantiles(pairs.map(|(pair, exact)| measure(&pair.hit, &exact.hit)).collect())
     }
 
     /// The confusion table against the oracle.
-    pub(crate) fn decisions(&self, subject: &Subject) -> Vec<ClassCount> {
+    pub(crate) fn decisions(&self, of: &dyn Judged) -> Vec<ClassCount> {
         let mut called_hit = vec![0_u64; trisect_oracle::Class::ALL.len()];
         for pair in &self.pairs {
-            called_hit[subject.class(pair.ray, pair.triangle) as usize] += 1;
+            called_hit[of.class(pair.ray, pair.triangle) as usize] += 1;
         }
         trisect_oracle::Class::ALL
             .iter()
-            .zip(&subject.class_counts)
+            .zip(&of.known().class_counts)
             .zip(called_hit)
             .map(|((class, &all), called_hit)| ClassCount {
                 class: class.name().to_owned(),
@@ -189,7 +178,10 @@ impl From<&Truth> for Pair {
 }
 
 /// The pairs that two lists sorted by key share.
-fn both<'a>(a: &'a [Pair], b: &'a [Pair]) -> impl Iterator<Item = (&'a Pair, &'a Pair)> {
+pub(crate) fn shared<'a>(
+    a: &'a [Pair],
+    b: &'a [Pair],
+) -> impl Iterator<Item = (&'a Pair, &'a Pair)> {
     let mut b = b.iter().peekable();
     a.iter().filter_map(move |pair| {
         while b.next_if(|other| other.key() < pair.key()).is_some() {}

@@ -24,9 +24,11 @@ pub use measure::{Progress, REFERENCE, Settings, Task, measure};
 pub use omissions::{OmissionSettings, omissions};
 pub use pictures::{PictureSettings, pictures};
 pub use recommend::{
-    Candidate, Exhaustive, RecommendError, RecommendSettings, Recommendation, recommend,
+    Candidate, Decided, Exhaustive, RecommendError, RecommendSettings, Recommendation, Wrong,
+    recommend,
 };
 pub use stress::{NotExact, StressSettings, stress};
 pub use study::{ClassOfRays, StudyError, StudySettings, classes_of_rays, keep_for_study, study};
+pub use subject::{Inputs, Unrounded};
 pub use surface::open_edges;
 pub use timing::{WrongAnswer, nanoseconds};

@@ -11,9 +11,9 @@ use crate::answers::{Answers, Pair, QUANTITIES, Quantity};
 use crate::machine;
 use crate::record::{
     Agreement, Cracks, Decisions, Error, Family, Header, MethodCount, MethodFacts, PartCost,
-    Preparation, Record, Records, Refusal, SCHEMA, Throughput,
+    Preparation, Record, Records, Refusal, SCHEMA, Throughput, Workload,
 };
-use crate::subject::Subject;
+use crate::subject::{Inputs, Side, Subject};
 use crate::timing::{self, Contender, WrongAnswer, nanoseconds};
 
 /// The method that all are compared with, and, in f64, the reference of the error tables.
@@ -27,10 +27,8 @@ pub struct Task {
     pub description: String,
     /// What it is for: decides what is measured on it.
     pub family: Family,
-    /// The rays.
-    pub rays: Vec<Ray<f32>>,
-    /// The triangles.
-    pub triangles: Vec<Triangle<f32>>,
+    /// The rays and triangles.
+    pub inputs: Inputs,
     /// How many of the rays, from the first, are timed; all of them answer.
     pub timed_rays: usize,
 }
@@ -127,9 +125,9 @@ struct Answered {
 
 impl Run<'_> {
     fn task(&mut self, task: Task) -> Result<(), WrongAnswer> {
-        let Task { name, description, family, rays, triangles, timed_rays } = task;
+        let Task { name, description, family, inputs, timed_rays } = task;
         self.progress.phase(&format!("{name}: asking the oracle"), 1);
-        let subject = Subject::new(name, description, family, rays, triangles);
+        let subject = Subject::new(name, description, family, inputs);
         self.progress.step();
         self.lines.push(Record::Workload(subject.workload.clone()));
 
@@ -144,36 +142,23 @@ impl Run<'_> {
             );
             let mut answered = Vec::new();
             for entry in &methods {
-                let Subject { rays32, triangles32, rays64, triangles64, .. } = &subject;
                 let name = &subject.workload.name;
-                answered.extend(self.answer(name, entry, &entry.f32, rays32, triangles32));
-                answered.extend(self.answer(name, entry, &entry.f64, rays64, triangles64));
+                answered.extend(self.answer(name, entry, &entry.f32, &subject.single));
+                answered.extend(self.answer(name, entry, &entry.f64, &subject.double));
             }
             self.errors(&subject, &answered);
             self.agreement(&subject, &answered);
         }
         if self.settings.timed && timed_rays > 0 {
-            let timed_rays = timed_rays.min(subject.rays32.len());
+            let timed_rays = timed_rays.min(subject.workload.rays);
             let mut groups = Vec::new();
             self.progress
                 .phase(&format!("{}: preparing", subject.workload.name), methods.len() as u64 * 2);
             for entry in &methods {
-                let rays = &subject.rays32[..timed_rays];
-                groups.extend(self.prepare(
-                    &subject,
-                    entry,
-                    &entry.f32,
-                    rays,
-                    &subject.triangles32,
-                ));
-                let rays = &subject.rays64[..timed_rays];
-                groups.extend(self.prepare(
-                    &subject,
-                    entry,
-                    &entry.f64,
-                    rays,
-                    &subject.triangles64,
-                ));
+                let workload = &subject.workload;
+                let (single, double) = (&subject.single, &subject.double);
+                groups.extend(self.prepare(workload, entry, &entry.f32, single, timed_rays));
+                groups.extend(self.prepare(workload, entry, &entry.f64, double, timed_rays));
             }
             self.time(&subject, timed_rays, &groups)?;
         }
@@ -212,10 +197,9 @@ impl Run<'_> {
         workload: &str,
         entry: &Entry,
         kernels: &Kernels<E>,
-        rays: &[Ray<E>],
-        triangles: &[Triangle<E>],
+        side: &Side<E>,
     ) -> Option<Answered> {
-        let scene = self.scene(workload, entry, kernels, rays, triangles);
+        let scene = self.scene(workload, entry, kernels, &side.rays, &side.triangles);
         self.progress.step();
         Some(Answered {
             method: entry.info.name,
@@ -229,17 +213,17 @@ impl Run<'_> {
     /// Counts the rays that pass through the closed surface of `subject`, per variant in f32.
     fn cracks(&mut self, subject: &Subject) {
         let methods = self.settings.methods.clone();
-        let Subject { rays32, triangles32, workload, .. } = subject;
+        let Subject { workload, single, .. } = subject;
         let name = &workload.name;
         self.progress.phase(&format!("{name}: looking for cracks"), methods.len() as u64);
         for entry in methods {
-            if let Some(answered) = self.answer(name, entry, &entry.f32, rays32, triangles32) {
+            if let Some(answered) = self.answer(name, entry, &entry.f32, single) {
                 for (variant, answers) in &answered.variants {
-                    let (no_hit, many_hits) = answers.none_and_many(rays32.len());
+                    let (no_hit, many_hits) = answers.none_and_many(workload.rays);
                     self.lines.push(Record::Cracks(Cracks {
                         variant: answered.record_variant(*variant),
                         workload: name.clone(),
-                        rays: rays32.len(),
+                        rays: workload.rays,
                         no_hit,
                         many_hits,
                     }));
@@ -249,14 +233,27 @@ impl Run<'_> {
     }
 
     fn errors(&mut self, subject: &Subject, answered: &[Answered]) {
-        let truth: Vec<Pair> = subject.truth.iter().map(Pair::from).collect();
+        let truth_of = |precision| -> Vec<Pair> {
+            subject.of(precision).known().truth.iter().map(Pair::from).collect()
+        };
+        let truth = [f32::NAME, f64::NAME].map(|precision| (precision, truth_of(precision)));
         let reference = answered
             .iter()
             .find(|a| a.method == REFERENCE && a.precision == f64::NAME)
             .and_then(Answered::plain);
-        let mut references = vec![("oracle", truth.as_slice())];
-        references.extend(reference.map(|answers| ("f64-moller-trumbore", answers.pairs())));
+        // On other numbers than a method's the reference says nothing about the method.
+        let methods = self.settings.methods.iter().filter(|_| !subject.is_same);
+        let of_rounded = methods
+            .filter(|entry| entry.info.name == REFERENCE)
+            .find_map(|entry| answers_in_f64(entry, &subject.single));
         for method in answered {
+            let of = subject.of(method.precision);
+            let truth = truth.iter().filter(|(precision, _)| *precision == method.precision);
+            let mut references: Vec<(&str, &[Pair])> =
+                truth.map(|(_, pairs)| ("oracle", pairs.as_slice())).collect();
+            let is_rounded = !subject.is_same && method.precision == f32::NAME;
+            let reference = if is_rounded { of_rounded.as_ref() } else { reference };
+            references.extend(reference.map(|answers| ("f64-moller-trumbore", answers.pairs())));
             for (variant, answers) in &method.variants {
                 let named = method.record_variant(*variant);
                 for (name, pairs) in &references {
@@ -277,14 +274,14 @@ impl Run<'_> {
                 self.lines.push(Record::Decisions(Decisions {
                     variant: named,
                     workload: subject.workload.name.clone(),
-                    classes: answers.decisions(subject),
+                    classes: answers.decisions(of),
                 }));
             }
         }
     }
 
     fn agreement(&mut self, subject: &Subject, answered: &[Answered]) {
-        let rays = subject.rays32.len();
+        let rays = subject.workload.rays;
         for precision in [f32::NAME, f64::NAME] {
             let closest: Vec<_> = answered
                 .iter()
@@ -292,13 +289,14 @@ impl Run<'_> {
                 .filter_map(|a| Some((a.method, a.plain()?.closest(rays))))
                 .collect();
             let Some((_, first)) = closest.first() else { continue };
+            let truth = &subject.of(precision).known().closest;
             let unanimous =
                 (0..rays).filter(|&ray| closest.iter().all(|(_, c)| c[ray] == first[ray])).count();
             let differs_from_oracle = closest
                 .iter()
                 .map(|(method, closest)| MethodCount {
                     method: (*method).to_owned(),
-                    count: closest.iter().zip(&subject.closest).filter(|(a, b)| a != b).count(),
+                    count: closest.iter().zip(truth).filter(|(a, b)| a != b).count(),
                 })
                 .collect();
             self.lines.push(Record::Agreement(Agreement {
@@ -315,28 +313,28 @@ impl Run<'_> {
     /// there are none.
     fn prepare<E: Precision>(
         &mut self,
-        subject: &Subject,
+        workload: &Workload,
         entry: &'static Entry,
         kernels: &'static Kernels<E>,
-        rays: &[Ray<E>],
-        triangles: &[Triangle<E>],
+        Side { rays, triangles, .. }: &Side<E>,
+        timed_rays: usize,
     ) -> Option<Group> {
         let timed: Vec<&'static Kernel> = kernels
             .timed
             .iter()
             .filter(|kernel| kernel.variant.lane.instruction_set.is_available())
-            .filter(|kernel| is_shown(subject.workload.family, kernel, &kernels.timed))
+            .filter(|kernel| is_shown(workload.family, kernel, &kernels.timed))
             .collect();
         if timed.is_empty() {
             self.progress.step();
             return None;
         }
-        let Some(scene) = self.scene(&subject.workload.name, entry, kernels, rays, triangles)
-        else {
+        let rays = &rays[..timed_rays];
+        let Some(scene) = self.scene(&workload.name, entry, kernels, rays, triangles) else {
             self.progress.step();
             return None;
         };
-        if matches!(subject.workload.family, Family::Random | Family::Mesh) {
+        if matches!(workload.family, Family::Random | Family::Mesh) {
             let mut samples_ns = Vec::new();
             for _ in 0..self.settings.rounds {
                 let start = Instant::now();
@@ -347,7 +345,7 @@ impl Run<'_> {
             self.lines.push(Record::Preparation(Preparation {
                 method: entry.info.name.to_owned(),
                 precision: E::NAME.to_owned(),
-                workload: subject.workload.name.clone(),
+                workload: workload.name.clone(),
                 triangles: triangles.len(),
                 samples_ns,
             }));
@@ -380,7 +378,7 @@ impl Run<'_> {
             self.lines.push(Record::Throughput(Throughput {
                 variant: group.record_variant(kernel),
                 workload: subject.workload.name.clone(),
-                tests: (timed_rays * subject.triangles32.len()) as u64,
+                tests: (timed_rays * subject.workload.triangles) as u64,
                 samples_ns: contender.samples_ns,
                 hits: tally.hits,
                 checksum: tally.sum.to_bits(),
@@ -389,6 +387,14 @@ impl Run<'_> {
         }
         Ok(())
     }
+}
+
+/// What a method answers in f64, in plain arithmetic, about the numbers of f32.
+fn answers_in_f64(entry: &Entry, single: &Side<f32>) -> Option<Answers> {
+    let triangles: Vec<Triangle<f64>> = single.triangles.iter().map(|&t| t.into()).collect();
+    let rays: Vec<Ray<f64>> = single.rays.iter().map(|&ray| ray.into()).collect();
+    let scene = (entry.f64.prepare)(&triangles, &rays).ok()?;
+    Some(Answers::of(entry.f64.plain_finder(None, None)?, &scene))
 }
 
 /// The answers of each of some finders that computes values of its own here: plain arithmetic gives the
@@ -477,7 +483,8 @@ impl Group {
             .iter()
             .find(|(variant, _)| *variant == kernel.variant)
             .expect("every timed variant has a finder");
-        answers.expected(kernel.needs, self.unit_roundoff, &subject.rays64, &subject.triangles64)
+        let of = subject.of(kernel.variant.lane.precision);
+        answers.expected(kernel.needs, self.unit_roundoff, of)
     }
 }
 

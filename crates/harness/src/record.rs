@@ -3,7 +3,9 @@
 //! facts about the machine.
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, Write};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read as _, Write};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
@@ -892,9 +894,18 @@ pub struct Code {
 /// Why a record file could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
+    /// The file cannot be opened. Not a `source`: the message holds it already.
+    #[error("cannot be read ({0}); check the path")]
+    NotOpened(std::io::Error),
     /// The stream failed.
     #[error("cannot be read as a record")]
     Io(#[from] std::io::Error),
+    /// No record has such a line.
+    #[error("line {line} is longer than {LONGEST} bytes; this is no record, check the path")]
+    TooLong {
+        /// Line number, from 1.
+        line: usize,
+    },
     /// The file has no line.
     #[error("the record is empty; make one with `trisect measure --output FILE`")]
     Empty,
@@ -919,6 +930,20 @@ pub enum ReadError {
     },
 }
 
+/// Bytes of a line, at most: ten times what the largest picture of a study takes.
+const LONGEST: u64 = 1 << 26;
+
+/// The next line, without its end; none where there is no more.
+fn read_line(from: &mut impl BufRead, line: usize) -> Result<Option<String>, ReadError> {
+    let mut text = String::new();
+    // Devices may have no end.
+    if from.take(LONGEST).read_line(&mut text)? as u64 == LONGEST {
+        return Err(ReadError::TooLong { line });
+    }
+    let text_alone = text.trim_end_matches('\n');
+    Ok((!text.is_empty()).then(|| text_alone.strip_suffix('\r').unwrap_or(text_alone).to_owned()))
+}
+
 /// A record file in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Records {
@@ -933,8 +958,8 @@ impl Records {
     ///
     /// # Errors
     /// When the stream fails, or a line is not a record of this [`SCHEMA`].
-    pub fn read(from: impl BufRead) -> Result<Self, ReadError> {
-        let mut lines = from.lines();
+    pub fn read(mut from: impl BufRead) -> Result<Self, ReadError> {
+        let mut lines = (1..).map_while(|line| read_line(&mut from, line).transpose());
         let first = lines.next().ok_or(ReadError::Empty)??;
         let head: serde_json::Value =
             serde_json::from_str(&first).map_err(|_| ReadError::NoHeader)?;
@@ -955,6 +980,14 @@ impl Records {
             })
             .collect::<Result<_, _>>()?;
         Ok(Self { header, lines })
+    }
+
+    /// Reads a record file by its path; a pipe will do.
+    ///
+    /// # Errors
+    /// As [`read`](Records::read).
+    pub fn load(path: &Path) -> Result<Self, ReadError> {
+        Self::read(BufReader::new(File::open(path).map_err(ReadError::NotOpened)?))
     }
 
     /// Writes a record file: the header, then each line.

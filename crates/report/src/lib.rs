@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod chapter;
 mod chart;
 mod compare;
 mod figures;
@@ -20,20 +21,16 @@ mod text;
 mod theme;
 mod view;
 
+pub use chapter::{Chapter, Page, PageError};
 pub use chart::DrawError;
 pub use compare::{ComparedVariant, Comparison, ErrorDifference, compare};
 pub use markdown::{SpliceError, splice};
-pub use omissions::{
-    OmissionKind, OmissionSummary, TimedOmission, omission_summary, write_omissions_page,
-};
-pub use page::{Page, PageError, write_page};
-pub use pictures::{PictureSummary, Technique, TimedFrame, picture_summary, write_pictures_page};
+pub use omissions::{OmissionKind, OmissionSummary, TimedOmission, omission_summary};
+pub use pictures::{PictureSummary, Technique, TimedFrame, picture_summary};
 pub use rank::{Filter, Ranked, Ranking, rank};
 pub use recommendation::recommendation_text;
-pub use stress::page::write_stress_page;
 pub use stress::{
     ExactnessRow, ExactnessSummary, StressRow, StressSummary, exactness_summary, stress_summary,
 };
-pub use study::page::write_study_page;
 pub use study::{StudyRow, StudySummary, study_summary};
 pub use summary::{FrontPoint, MethodRow, PrecisionRow, Summary, Winner, summary};

@@ -1,17 +1,15 @@
 //! The page: one file that asks the network for nothing.
 
 use std::borrow::Cow;
-use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
 
 use minijinja::Environment;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use serde::Serialize;
-use trisect_harness::record::{Header, Picture, Records};
+use trisect_harness::record::{Header, Picture};
 
-use crate::chart::{DrawError, Layout, draw};
+use crate::chapter::{Link, PageError};
+use crate::chart::{Layout, draw};
 use crate::figures;
 use crate::format::{grouped, mtests, number, or_dash, ratio, scientific};
 use crate::markdown::Table;
@@ -20,107 +18,8 @@ use crate::summary::{Summary, of_view};
 use crate::theme::{css, inline_svg};
 use crate::view::{NEEDS, View, finish_label, lanes_label, need_in_prose};
 
-/// Why a page could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum PageError {
-    /// A file could not be written.
-    #[error("cannot write {path}: {source}")]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
-    /// A figure could not be drawn.
-    #[error(transparent)]
-    Draw(#[from] DrawError),
-    /// The page could not be filled in.
-    #[error("cannot fill in the page: {0}")]
-    Fill(#[from] minijinja::Error),
-}
-
-/// What was written.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Page {
-    /// The page.
-    pub index: PathBuf,
-    /// The figures, in the order of the page; each twice, wide and narrow.
-    pub figures: Vec<PathBuf>,
-}
-
-/// Draws the page and its figures into a folder, which is made if it does not exist. Where the folder
-/// holds the pages of studies, the page leads to them.
-///
-/// Every file is written beside its place under another name and then renamed, the page last:
-/// a reader sees the old page or the new one, never half of one.
-///
-/// # Errors
-/// When a file cannot be written, or a figure or the page cannot be drawn.
-pub fn write_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
-    let view = View::new(records);
-    let links = links(folder, INDEX_PAGE);
-    write(
-        folder,
-        INDEX_PAGE,
-        &Drawn::of(&view, figures::all(&view), |on_page| fill_in(&view, on_page, links))?,
-    )
-}
-
-/// The page of a comparison.
-pub(crate) const INDEX_PAGE: &str = "index.html";
-/// The page of a stability study.
-pub(crate) const STRESS_PAGE: &str = "stress.html";
-/// The page of a study of the tracer.
-pub(crate) const STUDY_PAGE: &str = "study.html";
-
-/// The page of a study of pictures.
-pub(crate) const PICTURES_PAGE: &str = "pictures.html";
-
-/// The page of the study of omissions.
-pub(crate) const OMISSIONS_PAGE: &str = "omissions.html";
-
-/// The pages of a report, as the others lead to them.
-const PAGES: [Link; 5] = [
-    Link {
-        page: INDEX_PAGE,
-        name: "The comparison",
-        says: "error against run time on ordinary rays",
-    },
-    Link {
-        page: STRESS_PAGE,
-        name: "Stiff and extreme cases",
-        says: "what every method does when it gets hard",
-    },
-    Link {
-        page: STUDY_PAGE,
-        name: "In a ray tracer",
-        says: "what every method is worth where rays are traced",
-    },
-    Link { page: PICTURES_PAGE, name: "Pictures", says: "scenes rendered, and what they cost" },
-    Link {
-        page: OMISSIONS_PAGE,
-        name: "What is left out",
-        says: "what it would take to keep what nobody asks for",
-    },
-];
-
-/// Where a page leads.
-#[derive(Clone, Copy, Serialize)]
-pub(crate) struct Link {
-    page: &'static str,
-    name: &'static str,
-    says: &'static str,
-}
-
-/// The pages in a folder but for one.
-fn links(folder: &Path, but: &str) -> Vec<Link> {
-    let others = PAGES.into_iter().filter(|link| link.page != but);
-    others.filter(|link| folder.join(link.page).exists()).collect()
-}
-
 /// A page of a study: what it says, its figures and its tables.
 pub(crate) struct Study {
-    pub(crate) page: &'static str,
     pub(crate) title: &'static str,
     pub(crate) heading: &'static str,
     pub(crate) findings: Vec<Finding>,
@@ -170,15 +69,14 @@ struct StudyContext<'a> {
     pictures: Vec<Picture>,
 }
 
-/// Draws the page of a study and its figures into a folder, beside the other pages of the report.
-pub(crate) fn write_study(
+/// Draws the page of a study and its figures.
+pub(crate) fn draw_study(
     view: &View,
-    folder: &Path,
+    links: Vec<Link>,
     drawings: Vec<figures::Figure>,
     study: Study,
-) -> Result<Page, PageError> {
-    let Study { page, title, heading, findings, tables, pictures } = study;
-    let links = links(folder, page);
+) -> Result<Drawn, PageError> {
+    let Study { title, heading, findings, tables, pictures } = study;
     let fill_in = |figures| {
         render(
             "study.html",
@@ -196,35 +94,19 @@ pub(crate) fn write_study(
             },
         )
     };
-    write(folder, page, &Drawn::of(view, drawings, fill_in)?)
+    Drawn::of(view, drawings, fill_in)
 }
 
-/// Writes the figures of a page, then the page.
-fn write(folder: &Path, name: &str, drawn: &Drawn) -> Result<Page, PageError> {
-    let figures = folder.join("figures");
-    fs::create_dir_all(&figures)
-        .map_err(|source| PageError::Write { path: figures.clone(), source })?;
-    let mut paths = Vec::new();
-    for (name, svg) in &drawn.files {
-        let path = figures.join(name);
-        replace(&path, svg)?;
-        paths.push(path);
-    }
-    let index = folder.join(name);
-    replace(&index, &drawn.html)?;
-    Ok(Page { index, figures: paths })
-}
-
-fn replace(path: &Path, text: &str) -> Result<(), PageError> {
-    trisect_harness::file::replace(path, |out| out.write_all(text.as_bytes()))
-        .map_err(|source| PageError::Write { path: path.to_path_buf(), source })
+/// Draws the page of a comparison and its figures.
+pub(crate) fn draw_comparison(view: &View, links: Vec<Link>) -> Result<Drawn, PageError> {
+    Drawn::of(view, figures::all(view), |on_page| fill_in(view, on_page, links))
 }
 
 /// The page and its files in memory.
-struct Drawn {
-    html: String,
+pub(crate) struct Drawn {
+    pub(crate) html: String,
     /// Name and text of each figure's file.
-    files: Vec<(String, String)>,
+    pub(crate) files: Vec<(String, String)>,
 }
 
 /// A figure as a page shows it.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use trisect_harness::{Candidate, Exhaustive, Recommendation};
+use trisect_harness::{Candidate, Decided, Exhaustive, Recommendation};
 
 use crate::format::{grouped, mtests, number, scientific};
 use crate::text::{Table, cut, hang, wrap};
@@ -45,28 +45,40 @@ pub fn recommendation_text(mesh: &str, found: &Recommendation, width: usize) -> 
         }
         _ => {}
     }
+    out += &wrap(
+        &format!(
+            "Decisions of the fastest checked on {} rays, {} pairs.",
+            count(found.checked[0]),
+            count(found.checked[1])
+        ),
+        width,
+        "",
+    );
+    if let Some(wrong) = wrong_decisions(&found.decisions) {
+        out += &hang("  ", &wrong, width, "    ");
+    }
     for refused in &found.refused {
         out +=
             &hang("  ", &format!("without {}: {}", refused.method, refused.reason), width, "    ");
     }
     let Some((chosen, others)) = found.ranking.split_first() else { return out };
-    let Candidate { variant, ns_per_test, bytes_per_triangle, error, wrong_percent, .. } = chosen;
+    let Candidate { variant, ns_per_test, bytes_per_triangle, error, wrong, .. } = chosen;
     let within = max_error.map_or_else(String::new, |allowed| {
         format!(", within the {} allowed", scientific(allowed))
     });
     let _ = write!(
         out,
         "\n{} {}\n  {}\n  {} million tests/s, {bytes_per_triangle} bytes per triangle\n  largest \
-         error {}{within}; {} % of hits wrong\n",
+         error {}{within}; {} wrong decisions\n",
         variant.method,
         lanes_label(variant),
         finish_label(variant),
         number(mtests(*ns_per_test)),
         scientific(*error),
-        number(*wrong_percent),
+        wrong.total(),
     );
     if !others.is_empty() {
-        let mut table = Table::new(&["runner-up", "M/s", "B", "error", "wrong %"]);
+        let mut table = Table::new(&["runner-up", "M/s", "B", "error", "wrong"]);
         for other in others.iter().take(RUNNERS_UP) {
             let name = format!(
                 "{} {}, {}",
@@ -80,7 +92,7 @@ pub fn recommendation_text(mesh: &str, found: &Recommendation, width: usize) -> 
                 number(mtests(other.ns_per_test)),
                 other.bytes_per_triangle.to_string(),
                 scientific(other.error),
-                number(other.wrong_percent),
+                other.wrong.total().to_string(),
             ]);
         }
         let _ = write!(out, "\n{}", table.render(width));
@@ -103,4 +115,22 @@ pub fn recommendation_text(mesh: &str, found: &Recommendation, width: usize) -> 
         );
     }
     out
+}
+
+/// How many decisions each method was wrong about in each precision, from its best form to its worst;
+/// none where all were right.
+fn wrong_decisions(decisions: &[Decided]) -> Option<String> {
+    let is_alike = |a: &Decided, b: &Decided| (a.method, a.precision) == (b.method, b.precision);
+    let mut wrong = Vec::new();
+    for forms in decisions.chunk_by(is_alike) {
+        let counts = || forms.iter().map(|decided| decided.wrong.total());
+        let (least, most) = (counts().min()?, counts().max()?);
+        if most > 0 {
+            let Decided { method, precision, .. } = forms[0];
+            let (from, to) = (grouped(least as u64), grouped(most as u64));
+            let counts = if least == most { from } else { format!("{from} to {to}") };
+            wrong.push(format!("{method} {precision} {counts}"));
+        }
+    }
+    (!wrong.is_empty()).then(|| format!("wrong decisions, by method: {}", wrong.join(", ")))
 }

@@ -4,7 +4,7 @@
 mod synthetic;
 
 use trisect_harness::record::{Code, Layer, Omission, Record, Records};
-use trisect_report::{omission_summary, splice, write_omissions_page, write_page};
+use trisect_report::{Chapter, omission_summary, splice};
 
 fn omission(layer: Layer, [part, scene, of, method]: [&str; 4], times: u64) -> Record {
     Record::Omission(Omission {
@@ -80,8 +80,8 @@ fn summary_as_text() {
 #[test]
 fn a_page_shows_figure_and_tables_and_leads_to_the_others() {
     let folder = tempfile::tempdir().expect("a folder");
-    write_page(&study(), folder.path()).expect("it is written");
-    let page = write_omissions_page(&study(), folder.path()).expect("it is written");
+    Chapter::Comparison.publish(&study(), folder.path()).expect("it is written");
+    let page = Chapter::Omissions.publish(&study(), folder.path()).expect("it is written");
     assert_eq!(page.figures.len(), 2, "one figure, wide and narrow");
     let html = std::fs::read_to_string(&page.index).expect("it is there");
     for part in [

@@ -4,7 +4,7 @@
 mod synthetic;
 
 use trisect_harness::record::{FrameSeries, Frames, Picture, Record, Records};
-use trisect_report::{picture_summary, splice, write_page, write_pictures_page};
+use trisect_report::{Chapter, picture_summary, splice};
 
 fn frames(series: FrameSeries, name: &str, ms: u64) -> Frames {
     Frames {
@@ -80,8 +80,8 @@ fn summary_as_text() {
 #[test]
 fn a_page_shows_figures_tables_and_pictures_and_leads_to_the_others() {
     let folder = tempfile::tempdir().expect("a folder");
-    write_page(&study(), folder.path()).expect("it is written");
-    let page = write_pictures_page(&study(), folder.path()).expect("it is written");
+    Chapter::Comparison.publish(&study(), folder.path()).expect("it is written");
+    let page = Chapter::Pictures.publish(&study(), folder.path()).expect("it is written");
     assert_eq!(page.figures.len(), 4, "two figures, wide and narrow");
     let html = std::fs::read_to_string(&page.index).expect("it is there");
     for part in [

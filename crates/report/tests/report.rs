@@ -6,12 +6,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use trisect_harness::record::{Quantiles, Record, Records};
-use trisect_report::{Filter, compare, rank, stats, summary, write_page};
+use trisect_report::{Chapter, Filter, compare, rank, stats, summary};
 
 /// Draws into a folder that lasts as long as the test binary's target folder, to be looked at.
 fn page(records: &Records, name: &str) -> String {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let page = write_page(records, &folder).expect("the page is written");
+    let page = Chapter::Comparison.publish(records, &folder).expect("the page is written");
     std::fs::read_to_string(page.index).expect("the page is there")
 }
 
@@ -346,7 +346,9 @@ fn numbers_come_from_the_records() {
 fn pages_replace_each_other() {
     let folder = tempfile::tempdir().expect("a folder");
     for count in [4, 1] {
-        write_page(&synthetic::records(count), folder.path()).expect("the page is written");
+        Chapter::Comparison
+            .publish(&synthetic::records(count), folder.path())
+            .expect("the page is written");
     }
     let left: Vec<_> = std::fs::read_dir(folder.path())
         .expect("the folder")
@@ -356,8 +358,42 @@ fn pages_replace_each_other() {
     let html = std::fs::read_to_string(folder.path().join("index.html")).expect("the page");
     assert!(!html.contains("Wald"));
     let blocked = folder.path().join("index.html");
-    let error = write_page(&synthetic::records(1), &blocked).expect_err("a file is no folder");
+    let error = Chapter::Comparison
+        .publish(&synthetic::records(1), &blocked)
+        .expect_err("a file is no folder");
     assert!(error.to_string().contains("index.html"), "{error}");
+}
+
+/// The pages of a folder lead to each other; where one cannot, nothing is written.
+#[test]
+fn what_lies_beside_a_page_leads_there_or_stops_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let read = |name: &str| std::fs::read_to_string(path(name)).expect("it is there");
+    let records = synthetic::records(1);
+    Chapter::Stress.keep(&records, folder.path()).expect("it is published");
+    let (page, record) = (read("stress.html"), read("stress.jsonl"));
+    assert!(!page.contains("href=\"index.html\""));
+
+    std::fs::write(path("stress.jsonl"), "notes\n").expect("written");
+    let says = "stress.jsonl: line 1 is not a record header; make a record with `trisect measure \
+                --output FILE`";
+    for failed in [
+        Chapter::Comparison.check(folder.path()),
+        Chapter::Comparison.keep(&records, folder.path()).map(drop),
+    ] {
+        let error = failed.expect_err("it is no record").to_string();
+        assert!(error.ends_with(says), "{error}");
+    }
+    assert_eq!(read("stress.html"), page);
+    assert!(!path("index.html").exists() && !path("record.jsonl").exists());
+
+    std::fs::write(path("stress.jsonl"), record).expect("written");
+    Chapter::Comparison.check(folder.path()).expect("it is a record again");
+    Chapter::Comparison.keep(&records, folder.path()).expect("it is published");
+    assert!(read("stress.html").contains("href=\"index.html\""));
+    assert!(read("index.html").contains("href=\"stress.html\""));
+    assert!(path("record.jsonl").exists());
 }
 
 #[test]

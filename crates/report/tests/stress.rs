@@ -9,7 +9,7 @@ use trisect_harness::record::{
     Outcome, Record, Records, Site, SpecialValues, Spread, Stages, StressFamily, StressLevel,
     SurfaceCracks, Variant,
 };
-use trisect_report::{exactness_summary, splice, stress_summary, write_page, write_stress_page};
+use trisect_report::{Chapter, exactness_summary, splice, stress_summary};
 
 fn variant(method: &str, precision: &str, division: &str, arithmetic: &str) -> Variant {
     Variant {
@@ -189,11 +189,12 @@ fn the_page_leads_to_the_comparison_and_back() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let records = study();
     let read = |path: &std::path::Path| std::fs::read_to_string(path).expect("just written");
-    let alone = write_stress_page(&records, folder.path()).expect("it is written");
+    let alone = Chapter::Stress.publish(&records, folder.path()).expect("it is written");
     assert!(!read(&alone.index).contains("index.html"));
-    let index = write_page(&synthetic::records(2), folder.path()).expect("it is written");
+    let index =
+        Chapter::Comparison.publish(&synthetic::records(2), folder.path()).expect("it is written");
     assert!(read(&index.index).contains("<a href=\"stress.html\">"));
-    let stress = write_stress_page(&records, folder.path()).expect("it is written");
+    let stress = Chapter::Stress.publish(&records, folder.path()).expect("it is written");
     let page = read(&stress.index);
     assert!(page.contains("<a href=\"index.html\">"));
     assert!(!page.contains("Left out"), "the record holds everything");
@@ -211,7 +212,8 @@ fn the_page_leads_to_the_comparison_and_back() {
 #[test]
 fn without_a_study_the_page_says_what_is_missing() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let page = write_stress_page(&synthetic::records(2), folder.path()).expect("it is written");
+    let page =
+        Chapter::Stress.publish(&synthetic::records(2), folder.path()).expect("it is written");
     let text = std::fs::read_to_string(page.index).expect("just written");
     assert!(text.contains("Left out: the record holds no stability study"));
 }
@@ -271,7 +273,7 @@ fn exactness_is_summed_up() {
         assert!(text.contains(says), "{text}");
     }
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let page = write_stress_page(&records, folder.path()).expect("it is written");
+    let page = Chapter::Stress.publish(&records, folder.path()).expect("it is written");
     let page = std::fs::read_to_string(page.index).expect("just written");
     assert!(page.contains("Exactness") && page.contains("Stages"));
     let marked = |part| format!("<!-- trisect:{part} -->\n<!-- end of trisect:{part} -->\n");

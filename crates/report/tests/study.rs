@@ -3,7 +3,7 @@
 mod synthetic;
 
 use trisect_harness::record::{Contest, Record, Records, Traced, TreeBuilt};
-use trisect_report::{splice, study_summary, write_page, write_study_page};
+use trisect_report::{Chapter, splice, study_summary};
 
 const CLASSES: [&str; 4] = ["primary", "random", "diffuse", "occlusion"];
 /// A kernel's gain is its part of a tracer's, whose time is this for the first method.
@@ -140,11 +140,12 @@ fn summary_as_text() {
 fn the_pages_of_a_report_lead_to_each_other() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let read = |path: &std::path::Path| std::fs::read_to_string(path).expect("just written");
-    let alone = write_study_page(&study(4), folder.path()).expect("it is written");
+    let alone = Chapter::Tracer.publish(&study(4), folder.path()).expect("it is written");
     assert!(!read(&alone.index).contains("index.html"));
-    let index = write_page(&synthetic::records(4), folder.path()).expect("it is written");
+    let index =
+        Chapter::Comparison.publish(&synthetic::records(4), folder.path()).expect("it is written");
     assert!(read(&index.index).contains("<a href=\"study.html\">"));
-    let page = write_study_page(&study(4), folder.path()).expect("it is written");
+    let page = Chapter::Tracer.publish(&study(4), folder.path()).expect("it is written");
     let text = read(&page.index);
     assert!(text.contains("<a href=\"index.html\">") && !text.contains("stress.html"));
     assert!(!text.contains("Left out"), "the record holds everything");
@@ -160,7 +161,8 @@ fn the_pages_of_a_report_lead_to_each_other() {
 #[test]
 fn without_a_study_the_page_says_what_is_missing() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let page = write_study_page(&synthetic::records(2), folder.path()).expect("it is written");
+    let page =
+        Chapter::Tracer.publish(&synthetic::records(2), folder.path()).expect("it is written");
     let text = std::fs::read_to_string(page.index).expect("just written");
     assert!(text.contains("Left out: the record holds no study of the tracer"));
 }

@@ -5,6 +5,7 @@ mod cost;
 mod draw;
 mod golden;
 pub mod lanes;
+pub mod process;
 pub mod properties;
 mod readme;
 mod truth;

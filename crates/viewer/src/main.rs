@@ -3,6 +3,7 @@
 
 mod window;
 
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::AtomicBool;
@@ -55,10 +56,18 @@ fn views() -> impl TypedValueParser<Value = View> {
 }
 
 fn main() -> ExitCode {
-    match run(&Arguments::parse()) {
+    let done = match Arguments::try_parse() {
+        Ok(arguments) => run(&arguments),
+        Err(message) => match message.print() {
+            Err(error) if !message.use_stderr() => Err(error.into()),
+            _ => return ExitCode::from(if message.use_stderr() { 2 } else { 0 }),
+        },
+    };
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("trisect-viewer: {error:#}");
+            // A stream that is closed or full is no reason to panic.
+            let _ = writeln!(io::stderr(), "trisect-viewer: {error:#}");
             ExitCode::from(2)
         }
     }
@@ -85,7 +94,7 @@ fn run(arguments: &Arguments) -> Result<()> {
     let Some(out) = &arguments.screenshot else { return window::show(&mut viewer) };
     let go_on = AtomicBool::new(false);
     while viewer.passes() < arguments.samples && viewer.advance(&go_on) {}
-    write(&viewer.frame(), out).with_context(|| format!("{}: cannot write", out.display()))
+    write(&viewer.frame(), out)
 }
 
 /// Refuses a place that cannot be written before anything is computed.

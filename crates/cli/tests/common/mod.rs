@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
+use trisect_testkit::process;
 
 /// Two triangles at right angles.
 pub(crate) const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n";
@@ -79,12 +79,7 @@ impl Folder {
 
     #[allow(clippy::unused_self, reason = "the folder must outlive the command")]
     pub(crate) fn run(&self, mut command: Command, stdin: &[u8]) -> Run {
-        let mut child = command.spawn().expect("the program was just built");
-        let mut input = child.stdin.take().expect("it is piped");
-        // A program that refuses its arguments need not read.
-        let _ = input.write_all(stdin);
-        drop(input);
-        let output = child.wait_with_output().expect("it ends");
+        let output = process::output(&mut command, stdin);
         let text = |bytes| String::from_utf8(bytes).expect("trisect prints UTF-8");
         Run { code: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
     }

@@ -7,7 +7,7 @@ use trisect_core::{Output, Precision, Ray, Triangle, UnsuitableMesh};
 use super::{Study, Subject, in_turn};
 use crate::measure::Group;
 use crate::record::{Family, Layer, Omission};
-use crate::subject;
+use crate::subject::{self, Inputs};
 use crate::timing::{Contender, WrongAnswer};
 
 /// What whoever asks no more than whether there is a hit does without: `t`, barycentrics, and the division.
@@ -29,14 +29,13 @@ impl Study<'_> {
             workload.name,
             workload.description,
             Family::Random,
-            workload.rays,
-            workload.triangles.to_vec(),
+            Inputs::new(workload.rays, workload.triangles.to_vec()),
         );
         let mut found = Vec::new();
         for entry in &self.settings.methods {
             if let (Ok(single), Ok(double)) = (
-                group(entry, &entry.f32, &subject.triangles32, &subject.rays32),
-                group(entry, &entry.f64, &subject.triangles64, &subject.rays64),
+                group(entry, &entry.f32, &subject.single.triangles, &subject.single.rays),
+                group(entry, &entry.f64, &subject.double.triangles, &subject.double.rays),
             ) {
                 found.extend(self.of_method(entry, [&single, &double], &subject)?);
             }

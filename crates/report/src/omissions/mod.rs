@@ -5,13 +5,12 @@ pub(crate) mod kernels;
 pub(crate) mod markdown;
 mod summary;
 
-use std::path::Path;
-
-use trisect_harness::record::{Layer, Omission, Records};
+use trisect_harness::record::{Layer, Omission};
 
 pub use summary::{OmissionKind, OmissionSummary, TimedOmission, omission_summary};
 
-use crate::page::{OMISSIONS_PAGE, Page, PageError, Study, Titled, write_study};
+use crate::chapter::{Link, PageError};
+use crate::page::{Drawn, Study, Titled, draw_study};
 use crate::stats::geometric_mean;
 use crate::view::View;
 
@@ -67,24 +66,18 @@ fn ratios<'a>(view: &View<'a>, layer: Layer) -> Vec<(&'a str, Vec<f64>, f64)> {
     kinds.into_iter().filter_map(of_kind).collect()
 }
 
-/// Draws the page of the study of omissions and its figures into a folder, beside the other pages of the
-/// report: it leads there, and they lead here when they are drawn again.
-///
-/// # Errors
-/// As [`write_page`](crate::write_page).
-pub fn write_omissions_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
-    let view = View::new(records);
+/// Draws the page and its figures.
+pub(crate) fn draw(view: &View, links: Vec<Link>) -> Result<Drawn, PageError> {
     let study = Study {
-        page: OMISSIONS_PAGE,
         title: "What is gained by leaving out what nobody asks for",
         heading: "What is left out",
-        findings: markdown::all_findings(&view),
+        findings: markdown::all_findings(view),
         tables: vec![
-            Titled::new("kernels", "Kernels", markdown::KERNELS, markdown::kernels(&view)),
-            Titled::new("tracer", "Tracer", markdown::TRACER, markdown::tracer(&view)),
-            Titled::new("pictures", "Pictures", markdown::PICTURES, markdown::pictures(&view)),
+            Titled::new("kernels", "Kernels", markdown::KERNELS, markdown::kernels(view)),
+            Titled::new("tracer", "Tracer", markdown::TRACER, markdown::tracer(view)),
+            Titled::new("pictures", "Pictures", markdown::PICTURES, markdown::pictures(view)),
         ],
         pictures: Vec::new(),
     };
-    write_study(&view, folder, figures::all(&view), study)
+    draw_study(view, links, figures::all(view), study)
 }

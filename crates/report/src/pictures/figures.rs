@@ -3,7 +3,7 @@
 use trisect_harness::record::FrameSeries;
 
 use super::markdown::scene_of;
-use super::summary::of_view;
+use super::summary::{TimedFrame, of_view};
 use super::{series, speed};
 use crate::chart::{Axis, Drawing, Entry, Join, Look, Panel, Plane, Sample, Scale, Series};
 use crate::figures::Figure;
@@ -35,15 +35,10 @@ fn line(number: usize, points: Vec<(f64, f64)>) -> Series {
 
 /// Frames per second against millions of pixels, a line for each level.
 fn sizes(view: &View) -> Figure {
-    let frames = of_view(view).sizes;
-    let mut levels: Vec<&str> = Vec::new();
-    for frame in &frames {
-        if !levels.contains(&frame.name.as_str()) {
-            levels.push(&frame.name);
-        }
-    }
-    let of_level = |(number, level): (usize, &&str)| {
-        let mine = frames.iter().filter(|frame| frame.name == **level);
+    let summary = of_view(view);
+    let (frames, levels) = (&summary.sizes, summary.levels());
+    let of_level = |(number, level): (usize, &&TimedFrame)| {
+        let mine = frames.iter().filter(|frame| frame.name == level.name);
         let pixels = |width: u32, height: u32| f64::from(width) * f64::from(height) / 1e6;
         line(number, mine.map(|f| (pixels(f.width, f.height), f.frames_per_second)).collect())
     };
@@ -60,7 +55,7 @@ fn sizes(view: &View) -> Figure {
     };
     let legend = levels.iter().enumerate().map(|(number, level)| Entry {
         sample: Sample::Point(Look::of(number), true),
-        text: (*level).to_owned(),
+        text: level.name.clone(),
     });
     Figure {
         name: "pictures-sizes",

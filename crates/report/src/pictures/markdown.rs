@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use trisect_harness::record::FrameSeries;
 
-use super::summary::of_view;
+use super::summary::{TimedFrame, of_view};
 use super::{series, speed};
 use crate::format::{grouped, number, or_dash};
 use crate::markdown::{Table, measured};
@@ -71,20 +71,13 @@ pub(super) fn all_findings(view: &View) -> Vec<Finding> {
 
 /// A row per size, a column per level.
 pub(crate) fn sizes(view: &View) -> Table {
-    let sizes = of_view(view).sizes;
-    let rows = || sizes.chunk_by(|a, b| (a.width, a.height) == (b.width, b.height));
-    let mut head = vec!["size".to_owned()];
-    head.extend(
-        rows().take(1).flatten().map(|frame| {
-            format!("{} {}/{}/{}", frame.name, frame.samples, frame.depth, frame.lights)
-        }),
-    );
-    let mut table = Table { head, rows: Vec::new() };
-    for row in rows() {
-        let mut cells = vec![format!("{}×{}", row[0].width, row[0].height)];
-        cells.extend(row.iter().map(|frame| number(frame.frames_per_second)));
-        table.rows.push(cells);
-    }
+    let summary = of_view(view);
+    let levels = summary.levels();
+    let mut table = Table::new(&["size"]);
+    table.head.extend(levels.iter().map(|TimedFrame { name, samples, depth, lights, .. }| {
+        format!("{name} {samples}/{depth}/{lights}")
+    }));
+    table.rows = summary.by_size(&levels, "×");
     table
 }
 

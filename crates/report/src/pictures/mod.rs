@@ -4,13 +4,12 @@ mod figures;
 pub(crate) mod markdown;
 mod summary;
 
-use std::path::Path;
-
-use trisect_harness::record::{FrameSeries, Frames, Records};
+use trisect_harness::record::{FrameSeries, Frames};
 
 pub use summary::{PictureSummary, Technique, TimedFrame, picture_summary};
 
-use crate::page::{PICTURES_PAGE, Page, PageError, Study, Titled, write_study};
+use crate::chapter::{Link, PageError};
+use crate::page::{Drawn, Study, Titled, draw_study};
 use crate::stats::median;
 use crate::view::View;
 
@@ -25,34 +24,28 @@ fn speed(frames: &Frames) -> Option<f64> {
     median(&samples).filter(|&ns| ns > 0.0).map(|ns| 1e9 / ns)
 }
 
-/// Draws the page of the study of pictures and its figures into a folder, beside the other pages of the
-/// report: it leads there, and they lead here when they are drawn again.
-///
-/// # Errors
-/// As [`write_page`](crate::write_page).
-pub fn write_pictures_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
-    let view = View::new(records);
+/// Draws the page and its figures.
+pub(crate) fn draw(view: &View, links: Vec<Link>) -> Result<Drawn, PageError> {
     let study = Study {
-        page: PICTURES_PAGE,
         title: "Pictures, and what they cost",
         heading: "Pictures",
-        findings: markdown::all_findings(&view),
+        findings: markdown::all_findings(view),
         pictures: view.pictures.iter().copied().cloned().collect(),
         tables: vec![
             Titled::new(
                 "techniques",
                 "What each technique gains",
-                markdown::techniques_say(&view),
-                markdown::techniques(&view),
+                markdown::techniques_say(view),
+                markdown::techniques(view),
             ),
-            Titled::new("sizes", "Sizes and levels", markdown::SIZES, markdown::sizes(&view)),
+            Titled::new("sizes", "Sizes and levels", markdown::SIZES, markdown::sizes(view)),
             Titled::new(
                 "series",
                 "One thing at a time",
-                markdown::one_at_a_time_says(&view),
-                markdown::one_at_a_time(&view),
+                markdown::one_at_a_time_says(view),
+                markdown::one_at_a_time(view),
             ),
         ],
     };
-    write_study(&view, folder, figures::all(&view), study)
+    draw_study(view, links, figures::all(view), study)
 }

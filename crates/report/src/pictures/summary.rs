@@ -4,7 +4,7 @@ use serde::Serialize;
 use trisect_harness::record::{FrameSeries, Frames, Header, Records};
 
 use super::{series, speed};
-use crate::format::number;
+use crate::format::{number, or_dash};
 use crate::text::{Table, wrap};
 use crate::view::View;
 
@@ -94,6 +94,31 @@ pub(super) fn of_view(view: &View) -> PictureSummary {
 }
 
 impl PictureSummary {
+    /// The first picture of each level, in the record's order.
+    pub(super) fn levels(&self) -> Vec<&TimedFrame> {
+        let mut levels: Vec<&TimedFrame> = Vec::new();
+        for frame in &self.sizes {
+            if levels.iter().all(|level| level.name != frame.name) {
+                levels.push(frame);
+            }
+        }
+        levels
+    }
+
+    /// A row per size: its pixels with a sign between, and the frames per second of each level.
+    pub(super) fn by_size(&self, levels: &[&TimedFrame], times: &str) -> Vec<Vec<String>> {
+        let rows = self.sizes.chunk_by(|a, b| (a.width, a.height) == (b.width, b.height));
+        let row = |frames: &[TimedFrame]| {
+            let of_level = |level: &&TimedFrame| {
+                let frame = frames.iter().find(|frame| frame.name == level.name);
+                or_dash(frame.map(|frame| frame.frames_per_second), number)
+            };
+            let size = format!("{}{times}{}", frames[0].width, frames[0].height);
+            std::iter::once(size).chain(levels.iter().map(of_level)).collect()
+        };
+        rows.map(row).collect()
+    }
+
     /// The summary as text of at most `width` columns, for 40 columns or more.
     pub fn to_text(&self, width: usize) -> String {
         let h = &self.header;
@@ -113,12 +138,10 @@ impl PictureSummary {
             out.push_str(&wrap(&says, width, ""));
             out.push('\n');
         }
-        let mut table = Table::new(&["frames/s", "low", "middle", "hard", "very hard"]);
-        for row in self.sizes.chunk_by(|a, b| (a.width, a.height) == (b.width, b.height)) {
-            let mut cells = vec![format!("{}x{}", row[0].width, row[0].height)];
-            cells.extend(row.iter().map(|frame| number(frame.frames_per_second)));
-            table.rows.push(cells);
-        }
+        let levels = self.levels();
+        let mut table = Table::new(&["frames/s"]);
+        table.head.extend(levels.iter().map(|level| level.name.clone()));
+        table.rows = self.by_size(&levels, "x");
         out.push_str(&table.render(width));
         out.push('\n');
         let mut table = Table::new(&["technique", "frames/s", "gain", "together"]);

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use trisect_harness::record::{ExactCounts, Exactness, Record};
 
-use crate::format::grouped;
+use crate::format::{grouped, or_dash};
 use crate::markdown::Table;
 use crate::text;
 use crate::view::View;
@@ -146,11 +146,11 @@ pub(crate) fn stages(view: &View) -> Table {
             grouped(all),
         ];
         row.extend(table.head[4..].iter().map(|name| {
-            let place = stages.stages.iter().position(|stage| stage == name);
-            place.map_or_else(
-                || "–".to_owned(),
-                |place| format!("{:.3}", stages.pairs[place] as f64 * 100.0 / all.max(1) as f64),
-            )
+            let mut decided = stages.stages.iter().zip(&stages.pairs);
+            let share = decided
+                .find(|(stage, _)| *stage == name)
+                .map(|(_, pairs)| *pairs as f64 * 100.0 / all.max(1) as f64);
+            or_dash(share, |x| format!("{x:.3}"))
         }));
         table.rows.push(row);
     }

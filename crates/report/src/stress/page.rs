@@ -1,33 +1,24 @@
 //! The page of the stability study.
 
-use std::path::Path;
-
-use trisect_harness::record::Records;
-
 use super::exact;
 use super::figures;
 use super::markdown;
 use super::summary::{StressRow, StressSummary, of_view};
+use crate::chapter::{Link, PageError};
 use crate::format::{grouped, number, scientific};
-use crate::page::{Finding, Page, PageError, STRESS_PAGE, Study, Titled, write_study};
+use crate::page::{Drawn, Finding, Study, Titled, draw_study};
 use crate::view::{BASELINE, View};
 
-/// Draws the page of the stability study and its figures into a folder, beside the other pages of the
-/// report: it leads there, and they lead here when they are drawn again.
-///
-/// # Errors
-/// As [`write_page`](crate::write_page).
-pub fn write_stress_page(records: &Records, folder: &Path) -> Result<Page, PageError> {
-    let view = View::new(records);
+/// Draws the page and its figures.
+pub(crate) fn draw(view: &View, links: Vec<Link>) -> Result<Drawn, PageError> {
     let study = Study {
-        page: STRESS_PAGE,
         title: "Ray–triangle intersection, stiff and extreme",
         heading: "Stiff and extreme cases",
-        findings: findings(&view, &of_view(&view)),
-        tables: tables(&view),
+        findings: findings(view, &of_view(view)),
+        tables: tables(view),
         pictures: Vec::new(),
     };
-    write_study(&view, folder, figures::all(&view), study)
+    draw_study(view, links, figures::all(view), study)
 }
 
 fn tables(view: &View) -> Vec<Titled> {
