@@ -57,6 +57,29 @@ pub(crate) fn load(
     Ok(library.finish())
 }
 
+/// The statements of MTL as Alias|Wavefront described it.
+const STANDARD: [&str; 19] = [
+    "Ka",
+    "Kd",
+    "Ks",
+    "Tf",
+    "illum",
+    "d",
+    "Ns",
+    "sharpness",
+    "Ni",
+    "map_Ka",
+    "map_Kd",
+    "map_Ks",
+    "map_Ns",
+    "map_d",
+    "map_aat",
+    "disp",
+    "decal",
+    "bump",
+    "refl",
+];
+
 struct Library<'a> {
     path: &'a Path,
     file: &'a str,
@@ -64,8 +87,8 @@ struct Library<'a> {
     reading: &'a mut Reading,
     materials: Vec<Read>,
     names: HashSet<String>,
-    /// Textures of the scene by their file and how often they repeat.
-    textures: HashMap<(PathBuf, [u32; 2]), usize>,
+    /// Textures of the scene by their file and how often they repeat; none where it cannot be used.
+    textures: HashMap<(PathBuf, [u32; 2]), Option<usize>>,
 }
 
 impl Library<'_> {
@@ -134,7 +157,7 @@ impl Library<'_> {
                 }
                 self.change(model, |material, model| material.illumination = model);
             }
-            "map_kd" => self.texture(&place, without_comment(rest))?,
+            "map_kd" => self.texture(place.clone(), without_comment(rest))?,
             "map_ks" | "map_ns" | "map_d" | "map_tr" | "map_ke" | "map_bump" | "bump" | "norm"
             | "disp" | "decal" | "refl" => {
                 let what = "maps other than map_Kd are left out";
@@ -142,28 +165,7 @@ impl Library<'_> {
             }
             _ => {}
         }
-        let is_standard = matches!(
-            keyword.as_str(),
-            "kd" | "ks"
-                | "ka"
-                | "tf"
-                | "ns"
-                | "ni"
-                | "d"
-                | "illum"
-                | "sharpness"
-                | "map_ka"
-                | "map_kd"
-                | "map_ks"
-                | "map_ns"
-                | "map_d"
-                | "map_aat"
-                | "bump"
-                | "disp"
-                | "decal"
-                | "refl"
-        );
-        if is_standard {
+        if STANDARD.contains(&field) {
             return Ok(());
         }
         self.reading
@@ -205,14 +207,14 @@ impl Library<'_> {
         Ok(number)
     }
 
-    fn texture(&mut self, place: &str, rest: &str) -> Result<(), SceneError> {
+    fn texture(&mut self, mut place: String, rest: &str) -> Result<(), SceneError> {
         let Map { file, scale, lost } = Map::read(rest);
         if let Some(lost) = lost {
             let what = format!("the option {lost} of map_Kd is left out");
-            self.reading.remark(self.file, place, &what);
+            self.reading.remark(self.file, &place, &what);
         }
         if file.is_empty() {
-            return self.note(place, "a map without a file is left out");
+            return self.note(&place, "a map without a file is left out");
         }
         let path = beside(self.path.parent(), file);
         let key = (path, scale.to_array().map(f32::to_bits));
@@ -223,20 +225,24 @@ impl Library<'_> {
                     // v grows upwards in OBJ.
                     let scale = scale * Vec2::new(1.0, -1.0);
                     self.scene.textures.push(Texture { scale, pixels });
-                    self.textures.insert(key, self.scene.textures.len() - 1);
-                    self.scene.textures.len() - 1
+                    self.textures.insert(key, Some(self.scene.textures.len() - 1));
+                    Some(self.scene.textures.len() - 1)
                 }
                 Err(SceneProblem::Unread(problem)) if !is_missing(&problem) => {
                     let problem = SceneProblem::Unread(problem);
                     return Err(problem.of_file(key.0.display().to_string()));
                 }
                 Err(problem) => {
-                    let what = "a picture that cannot be used is left out";
-                    return self.note(&format!("{place}: `{file}`: {problem}"), what);
+                    self.textures.insert(key, None);
+                    place = format!("{place}: `{file}`: {problem}");
+                    None
                 }
             },
         };
-        self.change(Some(texture), |material, texture| material.texture = Some(texture));
+        if texture.is_none() {
+            self.note(&place, "a picture that cannot be used is left out")?;
+        }
+        self.change(texture, |material, texture| material.texture = Some(texture));
         Ok(())
     }
 
