@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io::{self, Read as _};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// How files are read.
@@ -122,10 +122,17 @@ impl Reading {
         if self.options.sandbox {
             self.keep_inside(path)?;
         }
+        self.stream(File::open(path).map_err(ReadProblem::Unreadable)?)
+    }
+
+    /// All that comes from a reader, such as standard input.
+    ///
+    /// # Errors
+    /// When it cannot be read, or is larger than the memory that is left.
+    pub fn stream(&mut self, reader: impl Read) -> Result<Vec<u8>, ReadProblem> {
         let left = self.options.max_memory.saturating_sub(self.used);
         let mut bytes = Vec::new();
-        let file = File::open(path).map_err(ReadProblem::Unreadable)?;
-        let read = file.take(left.saturating_add(1)).read_to_end(&mut bytes);
+        let read = reader.take(left.saturating_add(1)).read_to_end(&mut bytes);
         self.claim(read.map_err(ReadProblem::Unreadable)? as u64)?;
         Ok(bytes)
     }
@@ -147,8 +154,20 @@ impl Reading {
     /// When it is more than is left.
     pub fn claim(&mut self, bytes: u64) -> Result<(), ReadProblem> {
         self.used = self.used.saturating_add(bytes);
+        self.afford(0)
+    }
+
+    /// Checks that so much memory could be taken for a while; it is not counted.
+    ///
+    /// # Errors
+    /// When it is more than is left.
+    pub fn afford(&self, bytes: u64) -> Result<(), ReadProblem> {
         let limit = self.options.max_memory;
-        if self.used > limit { Err(ReadProblem::TooLarge { limit }) } else { Ok(()) }
+        if self.used.saturating_add(bytes) > limit {
+            Err(ReadProblem::TooLarge { limit })
+        } else {
+            Ok(())
+        }
     }
 
     /// Passes over a departure from the format's standard by which nothing is lost.

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3};
-use trisect_mesh::{ReadProblem, Reading, lines, unquoted, without_comment};
+use trisect_mesh::{ReadProblem, Reading, lines, quoted, unquoted, without_comment};
 
 use crate::error::{SceneError, SceneProblem};
 use crate::load::read_text;
@@ -93,7 +93,7 @@ struct Library<'a> {
 
 impl Library<'_> {
     fn statement(&mut self, line: usize, field: &str, rest: &str) -> Result<(), SceneError> {
-        let place = format!("line {line}: {field}");
+        let place = format!("line {line}: {}", quoted(field));
         let keyword = field.to_ascii_lowercase();
         if field.is_empty() || field.starts_with('#') {
             return Ok(());
@@ -157,7 +157,7 @@ impl Library<'_> {
                 }
                 self.change(model, |material, model| material.illumination = model);
             }
-            "map_kd" => self.texture(place.clone(), without_comment(rest))?,
+            "map_kd" => self.texture(&place, without_comment(rest))?,
             "map_ks" | "map_ns" | "map_d" | "map_tr" | "map_ke" | "map_bump" | "bump" | "norm"
             | "disp" | "decal" | "refl" => {
                 let what = "maps other than map_Kd are left out";
@@ -207,43 +207,46 @@ impl Library<'_> {
         Ok(number)
     }
 
-    fn texture(&mut self, mut place: String, rest: &str) -> Result<(), SceneError> {
+    fn texture(&mut self, place: &str, rest: &str) -> Result<(), SceneError> {
         let Map { file, scale, lost } = Map::read(rest);
         if let Some(lost) = lost {
             let what = format!("the option {lost} of map_Kd is left out");
-            self.reading.remark(self.file, &place, &what);
+            self.reading.remark(self.file, place, &what);
         }
         if file.is_empty() {
-            return self.note(&place, "a map without a file is left out");
+            return self.note(place, "a map without a file is left out");
         }
         let path = beside(self.path.parent(), file);
         let key = (path, scale.to_array().map(f32::to_bits));
-        let texture = match self.textures.get(&key) {
-            Some(&known) => known,
-            None => match Texture::load(&key.0, self.reading) {
-                Ok(pixels) => {
-                    // v grows upwards in OBJ.
-                    let scale = scale * Vec2::new(1.0, -1.0);
-                    self.scene.textures.push(Texture { scale, pixels });
-                    self.textures.insert(key, Some(self.scene.textures.len() - 1));
-                    Some(self.scene.textures.len() - 1)
-                }
-                Err(SceneProblem::Unread(problem)) if !is_missing(&problem) => {
-                    let problem = SceneProblem::Unread(problem);
-                    return Err(problem.of_file(key.0.display().to_string()));
-                }
-                Err(problem) => {
-                    self.textures.insert(key, None);
-                    place = format!("{place}: `{file}`: {problem}");
-                    None
-                }
-            },
+        let texture = if let Some(&known) = self.textures.get(&key) {
+            if known.is_none() {
+                self.note(place, "a picture that cannot be used is left out")?;
+            }
+            known
+        } else {
+            let pixels = Texture::load(&key.0, self.reading);
+            let place = format!("{place}: `{}`", quoted(file));
+            let pixels = Texture::or_without(pixels, self.file, &place, self.reading);
+            let pixels = pixels.map_err(|problem| self.of_picture(problem, &key.0))?;
+            let texture = pixels.map(|pixels| {
+                // v grows upwards in OBJ.
+                let scale = scale * Vec2::new(1.0, -1.0);
+                self.scene.textures.push(Texture { scale, pixels });
+                self.scene.textures.len() - 1
+            });
+            self.textures.insert(key, texture);
+            texture
         };
-        if texture.is_none() {
-            self.note(&place, "a picture that cannot be used is left out")?;
-        }
         self.change(texture, |material, texture| material.texture = Some(texture));
         Ok(())
+    }
+
+    /// What is not standard is the library's fault; all else the picture's.
+    fn of_picture(&self, problem: SceneProblem, picture: &Path) -> SceneError {
+        match problem {
+            SceneProblem::Unread(ReadProblem::NotStandard { .. }) => problem.of_file(self.file),
+            _ => problem.of_file(picture.display().to_string()),
+        }
     }
 
     fn note(&mut self, place: &str, what: &str) -> Result<(), SceneError> {

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use trisect_core::Triangle;
-use trisect_mesh::{ObjFile, ObjLine, ReadProblem, Reading, unquoted};
+use trisect_mesh::{ObjFile, ObjLine, ReadProblem, Reading, quoted, unquoted};
 
 use crate::error::{SceneError, SceneProblem};
 use crate::load::read_text;
@@ -34,7 +34,7 @@ pub(crate) fn load(
                     if is_missing(&problem) =>
                 {
                     let what = "a material library that cannot be read is left out";
-                    let place = format!("line {}: `{library}`: {problem}", line.number);
+                    let place = format!("line {}: `{}`: {problem}", line.number, quoted(library));
                     reading.note(&name, &place, what).map_err(unread)?;
                     continue;
                 }
@@ -58,7 +58,9 @@ pub(crate) fn load(
         // Without any library the names say nothing, and nothing uses some.
         if material.is_none() && is_used && !known.is_empty() && !text.is_empty() {
             let what = "a material that no library has is taken as grey";
-            reading.note(&name, &format!("line {number}: `{text}`"), what).map_err(unread)?;
+            reading
+                .note(&name, &format!("line {number}: `{}`", quoted(text)), what)
+                .map_err(unread)?;
         }
         materials.push(material.unwrap_or(grey));
     }
@@ -67,12 +69,12 @@ pub(crate) fn load(
     let has_normals = corners.clone().any(|corner| corner.normal.is_some());
     let has_coordinates = corners.any(|corner| corner.coordinates.is_some());
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let mut mesh = Mesh { name: stem, ..Mesh::default() };
-    for triangle in &triangles {
-        let [a, b, c] = triangle.corners.map(|corner| DVec3::from(corner.position).as_vec3());
-        let flat = Triangle::new(a, b, c);
-        let own = Vec3::from(flat.normal()).normalize_or_zero();
-        mesh.triangles.push(flat);
+    let exact = triangles.iter().map(|triangle| {
+        let [a, b, c] = triangle.corners.map(|corner| corner.position);
+        Triangle::new(a, b, c)
+    });
+    let mut mesh = Mesh::near(stem, &exact.collect::<Vec<_>>());
+    for (triangle, own) in triangles.iter().zip(mesh.own_normals()) {
         mesh.materials.push(triangle.material.map_or(grey, |place| materials[place]));
         if has_normals {
             let normal = |normal: Option<[f32; 3]>| Vec3::from(normal.unwrap_or_default());

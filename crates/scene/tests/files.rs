@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use base64::Engine as _;
+use trisect_mesh::ReadOptions;
 use trisect_scene::{Lens, Light, Pixels, Scene, Vec3};
 
 fn shipped(name: &str) -> PathBuf {
@@ -258,12 +259,6 @@ fn a_smooth_metal_is_a_mirror() {
 fn faulty_gltf_files_are_told_by_element() {
     let sound = gltf("{}");
     for (from, to, expected) in [
-        ("\"yfov\": 0.7", "\"yfov\": 0", "camera 0: yfov, ymag or matrix: "),
-        (
-            "\"scale\": [3, 3, 3]",
-            "\"scale\": [3, 0, 3]",
-            "node 1: matrix: its transform has no inverse",
-        ),
         ("\"byteLength\": 36, \"uri\"", "\"byteLength\": 37, \"uri\"", "truncated: buffer 0"),
         ("\"count\": 3", "\"count\": 4", "mesh 0 primitive 0: accessor 0 reaches beyond"),
     ] {
@@ -281,4 +276,42 @@ fn meshes_alone_get_a_camera_and_a_light() {
     let [low, high] = scene.bounds().expect("it is not empty");
     let towards = (low + high) * 0.5 - scene.cameras[0].eye;
     assert!(towards.normalize().dot(scene.cameras[0].forward) > 0.999);
+}
+
+#[test]
+fn text_of_any_encoding_and_line_ends_is_the_same() {
+    let strict = ReadOptions { strict: true, ..ReadOptions::default() };
+    let commented = SOUND.replace("[picture]", "# caf\u{e9}\n[picture]");
+    let latin: Vec<u8> = commented.chars().map(|c| u8::try_from(c).expect("Latin-1")).collect();
+    for (bytes, is_standard) in [
+        (commented.clone().into_bytes(), true),
+        (commented.replace('\n', "\r\n").into_bytes(), true),
+        (commented.replace('\n', "\r").into_bytes(), false),
+        (format!("\u{feff}{commented}").into_bytes(), false),
+        (latin, false),
+    ] {
+        let folder = in_folder(&[("s.toml", &bytes)]);
+        let path = folder.path().join("s.toml");
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((scene.size, scene.spheres.len()), ([64, 48], 1));
+        assert_eq!(Scene::load_with(&path, &strict).is_ok(), is_standard);
+    }
+    let text = SOUND.replace("width = 64", "width = 0").replace('\n', "\r");
+    let folder = in_folder(&[("s.toml", text.as_bytes())]);
+    let error = Scene::load(folder.path().join("s.toml")).expect_err("it is 0").to_string();
+    assert!(error.ends_with("s.toml: line 3: width: is 0; write 1 to 65536"), "{error}");
+}
+
+#[test]
+fn nesting_is_bounded() {
+    let deep = 100_000;
+    for text in [
+        format!("camera = {}{}", "[".repeat(deep), "]".repeat(deep)),
+        format!("camera = {}1{}", "{a = ".repeat(deep), "}".repeat(deep)),
+        format!("{}camera = 1", "a.".repeat(deep)),
+        format!("[{}a]", "a.".repeat(deep)),
+    ] {
+        let error = Scene::from_toml("deep.toml", &text, None).expect_err("too deep").to_string();
+        assert!(error.len() < 1000 && !error.contains('\n'), "{error}");
+    }
 }

@@ -18,7 +18,7 @@ pub use generate::{
 pub use hall::hall;
 pub use rays::{
     RaysError, RaysFile, RaysProblem, read_rays, read_rays_binary, read_rays_csv,
-    write_rays_binary, write_rays_csv,
+    read_rays_csv_with, read_rays_with, write_rays_binary, write_rays_csv,
 };
 pub use stream::Stream;
 pub use stress::{Pair, Stress};
