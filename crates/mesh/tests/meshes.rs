@@ -354,8 +354,8 @@ fn wrong_binary_files_say_what_where_and_what_mends_it() {
             let at = bytes.len() - 72 - 96;
             bytes[at..at + 4].copy_from_slice(&nan);
         },
-        "mesh 0 primitive 0: vertex 0 lies at [NaN, 0.0, -2.0], which is not finite in f32; \
-         re-export the mesh",
+        "mesh 0 primitive 0: vertex 0 at [NaN, 0.0, -2.0] is not finite in f32 in its place; re-export \
+         the mesh",
     );
 }
 

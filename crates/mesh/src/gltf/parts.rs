@@ -84,9 +84,9 @@ impl Part {
             return Ok(());
         }
         for &vertex in self.corners.iter().flatten() {
-            let at = transform(matrix, self.positions[vertex]);
-            if is_far(at) {
-                let what = format!("vertex {vertex} lies at {at:?}, which is not finite in f32");
+            let at = self.positions[vertex];
+            if is_far(transform(matrix, at)) {
+                let what = format!("vertex {vertex} at {at:?} is not finite in f32 in its place");
                 return Err(malformed(&self.place, what));
             }
         }
