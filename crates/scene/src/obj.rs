@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 use trisect_core::Triangle;
-use trisect_mesh::{ObjFile, ObjLine, ReadProblem, Reading, unquoted};
+use trisect_mesh::{ObjFile, ObjLine, ReadProblem, Reading, quoted, unquoted};
 
 use crate::error::{SceneError, SceneProblem};
 use crate::load::read_text;
@@ -34,7 +34,7 @@ pub(crate) fn load(
                     if is_missing(&problem) =>
                 {
                     let what = "a material library that cannot be read is left out";
-                    let place = format!("line {}: `{library}`: {problem}", line.number);
+                    let place = format!("line {}: `{}`: {problem}", line.number, quoted(library));
                     reading.note(&name, &place, what).map_err(unread)?;
                     continue;
                 }
@@ -58,7 +58,9 @@ pub(crate) fn load(
         // Without any library the names say nothing, and nothing uses some.
         if material.is_none() && is_used && !known.is_empty() && !text.is_empty() {
             let what = "a material that no library has is taken as grey";
-            reading.note(&name, &format!("line {number}: `{text}`"), what).map_err(unread)?;
+            reading
+                .note(&name, &format!("line {number}: `{}`", quoted(text)), what)
+                .map_err(unread)?;
         }
         materials.push(material.unwrap_or(grey));
     }
@@ -96,18 +98,21 @@ fn libraries<'a>(folder: Option<&Path>, text: &'a str) -> Vec<&'a str> {
     }
     let mut names = Vec::new();
     while !rest.is_empty() {
-        let quoted = rest.strip_prefix('"').and_then(|rest| rest.split_once('"'));
-        let (name, after) = quoted.unwrap_or_else(|| {
-            let words = rest.match_indices(char::is_whitespace).map(|(at, _)| at);
-            let mut ends = words.chain([rest.len()]);
-            let first = ends.clone().next().unwrap_or(rest.len());
-            let is_library = |end: &usize| {
-                rest[..*end]
-                    .get(end.saturating_sub(4)..)
-                    .is_some_and(|e| e.eq_ignore_ascii_case(".mtl"))
-            };
-            rest.split_at(ends.find(is_library).unwrap_or(first))
-        });
+        if let Some((name, after)) = rest.strip_prefix('"').and_then(|rest| rest.split_once('"')) {
+            names.push(name);
+            rest = after.trim_start();
+            continue;
+        }
+        let spaces = rest.match_indices(char::is_whitespace).map(|(at, _)| at);
+        let is_library = |end: &usize| {
+            let ending = rest[..*end].get(end.saturating_sub(4)..);
+            ending.is_some_and(|ending| ending.eq_ignore_ascii_case(".mtl"))
+        };
+        let Some(end) = spaces.chain([rest.len()]).find(is_library) else {
+            names.extend(rest.split_whitespace().map(unquoted));
+            break;
+        };
+        let (name, after) = rest.split_at(end);
         names.push(name);
         rest = after.trim_start();
     }
