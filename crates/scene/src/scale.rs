@@ -16,10 +16,10 @@ const FAR: f32 = 16.0;
 /// ```
 /// use trisect_scene::{Frame, Vec3};
 ///
-/// let [low, high] = [Vec3::new(4096.0, 0.0, -3.0), Vec3::new(4100.0, 5.0, 2.0)];
+/// let [low, high] = [Vec3::new(4094.0, 0.0, -3.0), Vec3::new(4098.0, 5.0, 2.0)];
 /// let frame = Frame::around(low, high);
 /// assert_eq!(frame, Frame { origin: Vec3::new(4096.0, 4.0, 0.0), exponent: 2 });
-/// assert_eq!(frame.point(high), Vec3::new(1.0, 0.25, 0.5));
+/// assert_eq!(frame.point(high), Vec3::new(0.5, 0.25, 0.5));
 /// assert_eq!(Frame::around(low / 1024.0, high / 1024.0).point(high / 1024.0), frame.point(high));
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
