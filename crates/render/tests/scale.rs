@@ -126,6 +126,45 @@ fn a_scene_of_any_unit_has_the_same_picture() {
     }
 }
 
+/// From files, whose numbers are written with as many digits as they have: with smooth normals, which the reader
+/// makes, and a camera, whose direction it finds.
+#[test]
+fn a_file_in_any_unit_has_the_same_picture() {
+    let mesh = &floating_box().meshes[0];
+    let folder = std::env::temp_dir().join(format!("trisect-scale-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("there is room");
+    let picture = |exponent: i32| {
+        let at = |x: f32, y: f32, z: f32| [x, y, z].map(|x| x * power_of_two(exponent));
+        let mut obj = String::new();
+        for triangle in &mesh.triangles {
+            for corner in triangle.corners() {
+                let [x, y, z] = at(corner.x, corner.y, corner.z);
+                obj += &format!("v {x} {y} {z}\n");
+            }
+            obj += "f -3 -2 -1\n";
+        }
+        std::fs::write(folder.join("box.obj"), obj).expect("there is room");
+        let text = format!(
+            "[picture]\nbackground = [0.1, 0.2, 0.4]\n[[camera]]\nkind = \"pinhole\"\n\
+             eye = {:?}\nlook_at = {:?}\nfield_of_view = 45\n\
+             [[light]]\nkind = \"directional\"\ndirection = [-0.4, -1, -0.3]\n\
+             irradiance = [2, 2, 2]\n[material.m]\ndiffuse = [0.7, 0.6, 0.5]\n\
+             [mesh.m]\nfile = \"box.obj\"\n[[instance]]\nmesh = \"m\"\nmaterial = \"m\"\n",
+            at(5.0, 6.0, 9.0),
+            at(0.0, 0.6, 0.0),
+        );
+        let path = folder.join("box.toml");
+        std::fs::write(&path, text).expect("there is room");
+        let scene = Scene::load(&path).unwrap_or_else(|error| panic!("{error}"));
+        bits(&render(&stage::<MollerTrumbore>(scene), &Settings::new([48, 36])))
+    };
+    let first = picture(0);
+    for exponent in [-60, -30, -20, -14, 20, 40] {
+        assert!(picture(exponent) == first, "2^{exponent}");
+    }
+    std::fs::remove_dir_all(folder).expect("it is ours");
+}
+
 /// Pixels that differ visibly.
 fn different(image: &Image, other: &Image) -> usize {
     image.pixels.iter().zip(&other.pixels).filter(|(a, b)| (**a - **b).length() > 0.02).count()
