@@ -49,7 +49,7 @@ pub struct Mesh {
     /// The name it was given, or the file's name without its ending.
     pub name: String,
     /// The triangles in f32, each coordinate rounded once, in the order of the file. A polygon of n
-    /// corners, no two neighbours of which coincide, is n − 2 of them, one after another.
+    /// corners whose outline does not touch itself is n − 2 of them, one after another.
     pub triangles: Arc<[Triangle<f32>]>,
     /// The triangles as the file holds them, where that is not the same.
     finer: Option<Arc<[Triangle<f64>]>>,

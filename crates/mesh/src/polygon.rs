@@ -15,8 +15,8 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 pub(crate) enum Shape {
     /// It bounds an area, or areas that touch in corners: the triangles fill it.
     Simple,
-    /// Its outline crosses itself, seen along its normal: the triangles are the fan from its first
-    /// corner.
+    /// Its outline crosses itself, or runs around a place twice, seen along its normal: the triangles are
+    /// the fan from its first corner.
     Crossing,
     /// All corners lie on one line: no triangles.
     Flat,
@@ -38,7 +38,8 @@ impl Splitter {
     pub(crate) const MOST: usize = 1 << 15;
 
     /// The triangles between a polygon's corners, as places in `corners`, with its front in front. Corners
-    /// that repeat the one before are passed over: n others give n − 2 triangles.
+    /// that repeat the one before are passed over: n others give n − 2 triangles, where the outline does not
+    /// touch itself.
     pub(crate) fn split(&mut self, corners: &[[f64; 3]]) -> (Shape, &[[usize; 3]]) {
         self.triangles.clear();
         self.ring.clear();
@@ -178,6 +179,9 @@ impl Splitter {
         }
         for face in plane.inner_faces() {
             let times = around[face.fix().index()].unwrap_or_default();
+            if times.abs() > 1 {
+                return None;
+            }
             if times != 0 {
                 let mut triangle = face.vertices().map(|vertex| corner_of[vertex.fix().index()]);
                 if times < 0 {

@@ -113,6 +113,39 @@ proptest! {
         prop_assert!(triangles(&corners).iter().all(|triangle| normal(triangle).dot(normal(triangle)) > 0.0));
     }
 
+    /// Corners on a small grid repeat, cross, and lie on each other's edges in every way.
+    #[test]
+    fn any_corners_give_triangles_between_them(
+        grid in prop::collection::vec((0_i8..4, 0_i8..4, 0_i8..2), 4..14),
+    ) {
+        let corners: Vec<Point> = grid.iter().map(|&(x, y, z)| [x, y, z].map(f64::from)).collect();
+        let apart: Vec<Point> = corners.iter().map(|[x, y, z]| [x + 9.0, *y, *z]).collect();
+        let mut obj = String::new();
+        for [x, y, z] in corners.iter().chain(&apart) {
+            writeln!(obj, "v {x} {y} {z}").expect("text");
+        }
+        for from in [1, 1 + corners.len()] {
+            obj += "f";
+            for number in from..from + corners.len() {
+                write!(obj, " {number}").expect("text");
+            }
+            obj += "\n";
+        }
+        // A triangle beside them, as a mesh is never empty.
+        obj += "f 1 1 1";
+        let mesh = Mesh::from_bytes("any", MeshFormat::Obj, obj.as_bytes()).expect("a mesh");
+        let triangles = mesh.triangles_f64();
+        let count = (triangles.len() - 1) / 2;
+        prop_assert!(count < 2 * corners.len());
+        for (here, there) in triangles[..count].iter().zip(&triangles[count..]) {
+            let here = here.corners().map(Vec3::to_array);
+            prop_assert!(here.iter().all(|corner| corners.contains(corner)));
+            // A polygon that is moved is split alike.
+            let there = there.corners().map(Vec3::to_array);
+            prop_assert_eq!(here.map(|[x, y, z]| [x + 9.0, y, z]), there);
+        }
+    }
+
     /// Where a figure begins, and how large it is, changes nothing.
     #[test]
     fn scaling_by_a_power_of_two_scales_the_triangles(
@@ -202,6 +235,8 @@ fn what_is_no_polygon_is_told() {
         (&[[0, 0], [2, 2], [2, 0], [0, 1]][..], 2, crossing),
         (&[[0, 0], [1, 1], [1, 0], [0, 1]], 2, crossing),
         (&[[0, 3], [2, -3], [-3, 1], [3, 1], [-2, -3]], 3, crossing),
+        // A loop inside of the outline, the same way round: its inside would be there twice.
+        (&[[0, 0], [9, 0], [9, 9], [0, 9], [0, 0], [4, 2], [2, 4]], 5, crossing),
         (&[[0, 0], [1, 1], [2, 2], [3, 3]], 0, none),
         (&[[0, 0], [1, 1], [0, 0], [1, 1]], 0, none),
         (&[[5, 5], [5, 5], [5, 5], [5, 5]], 0, none),

@@ -11,7 +11,7 @@ use trisect_mesh::{ReadProblem, Reading, lines, quoted, unquoted, without_commen
 use crate::error::{SceneError, SceneProblem};
 use crate::load::read_text;
 use crate::model::{Color, Material, Scene};
-use crate::texture::Texture;
+use crate::texture::{Texture, UNUSABLE};
 
 /// A material as the file has it.
 struct Read {
@@ -57,6 +57,29 @@ pub(crate) fn load(
     Ok(library.finish())
 }
 
+/// The statements of MTL as Alias|Wavefront described it.
+const STANDARD: [&str; 19] = [
+    "Ka",
+    "Kd",
+    "Ks",
+    "Tf",
+    "illum",
+    "d",
+    "Ns",
+    "sharpness",
+    "Ni",
+    "map_Ka",
+    "map_Kd",
+    "map_Ks",
+    "map_Ns",
+    "map_d",
+    "map_aat",
+    "disp",
+    "decal",
+    "bump",
+    "refl",
+];
+
 struct Library<'a> {
     path: &'a Path,
     file: &'a str,
@@ -64,8 +87,8 @@ struct Library<'a> {
     reading: &'a mut Reading,
     materials: Vec<Read>,
     names: HashSet<String>,
-    /// Textures of the scene by their file and how often they repeat.
-    textures: HashMap<(PathBuf, [u32; 2]), usize>,
+    /// Textures of the scene by their file and how often they repeat; none where it cannot be used.
+    textures: HashMap<(PathBuf, [u32; 2]), Option<usize>>,
 }
 
 impl Library<'_> {
@@ -142,28 +165,7 @@ impl Library<'_> {
             }
             _ => {}
         }
-        let is_standard = matches!(
-            keyword.as_str(),
-            "kd" | "ks"
-                | "ka"
-                | "tf"
-                | "ns"
-                | "ni"
-                | "d"
-                | "illum"
-                | "sharpness"
-                | "map_ka"
-                | "map_kd"
-                | "map_ks"
-                | "map_ns"
-                | "map_d"
-                | "map_aat"
-                | "bump"
-                | "disp"
-                | "decal"
-                | "refl"
-        );
-        if is_standard {
+        if STANDARD.contains(&field) {
             return Ok(());
         }
         self.reading
@@ -216,22 +218,27 @@ impl Library<'_> {
         }
         let path = beside(self.path.parent(), file);
         let key = (path, scale.to_array().map(f32::to_bits));
-        let texture = match self.textures.get(&key) {
-            Some(&known) => known,
-            None => {
-                let pixels = Texture::load(&key.0, self.reading);
-                let place = format!("{place}: `{}`", quoted(file));
-                let pixels = Texture::or_without(pixels, self.file, &place, self.reading)
-                    .map_err(|problem| problem.of_file(key.0.display().to_string()))?;
-                let Some(pixels) = pixels else { return Ok(()) };
+        let known = self.textures.get(&key).copied();
+        if known == Some(None) {
+            self.note(place, UNUSABLE)?;
+        }
+        let texture = if let Some(known) = known {
+            known
+        } else {
+            let pixels = Texture::load(&key.0, self.reading);
+            let place = format!("{place}: `{}`", quoted(file));
+            let pixels = Texture::or_without(pixels, self.file, &place, self.reading)
+                .map_err(|problem| problem.of_file(key.0.display().to_string()))?;
+            let texture = pixels.map(|pixels| {
                 // v grows upwards in OBJ.
                 let scale = scale * Vec2::new(1.0, -1.0);
                 self.scene.textures.push(Texture { scale, pixels });
-                self.textures.insert(key, self.scene.textures.len() - 1);
                 self.scene.textures.len() - 1
-            }
+            });
+            self.textures.insert(key, texture);
+            texture
         };
-        self.change(Some(texture), |material, texture| material.texture = Some(texture));
+        self.change(texture, |material, texture| material.texture = Some(texture));
         Ok(())
     }
 

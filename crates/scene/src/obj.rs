@@ -96,18 +96,21 @@ fn libraries<'a>(folder: Option<&Path>, text: &'a str) -> Vec<&'a str> {
     }
     let mut names = Vec::new();
     while !rest.is_empty() {
-        let quoted = rest.strip_prefix('"').and_then(|rest| rest.split_once('"'));
-        let (name, after) = quoted.unwrap_or_else(|| {
-            let words = rest.match_indices(char::is_whitespace).map(|(at, _)| at);
-            let mut ends = words.chain([rest.len()]);
-            let first = ends.clone().next().unwrap_or(rest.len());
-            let is_library = |end: &usize| {
-                rest[..*end]
-                    .get(end.saturating_sub(4)..)
-                    .is_some_and(|e| e.eq_ignore_ascii_case(".mtl"))
-            };
-            rest.split_at(ends.find(is_library).unwrap_or(first))
-        });
+        if let Some((name, after)) = rest.strip_prefix('"').and_then(|rest| rest.split_once('"')) {
+            names.push(name);
+            rest = after.trim_start();
+            continue;
+        }
+        let spaces = rest.match_indices(char::is_whitespace).map(|(at, _)| at);
+        let is_library = |end: &usize| {
+            let ending = rest[..*end].get(end.saturating_sub(4)..);
+            ending.is_some_and(|ending| ending.eq_ignore_ascii_case(".mtl"))
+        };
+        let Some(end) = spaces.chain([rest.len()]).find(is_library) else {
+            names.extend(rest.split_whitespace().map(unquoted));
+            break;
+        };
+        let (name, after) = rest.split_at(end);
         names.push(name);
         rest = after.trim_start();
     }

@@ -42,11 +42,12 @@ const SQUARE: &str = "mtllib square.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 
                       vt 1 1\nvt 0 1\nvn 0 0 1\nusemtl pane\nf 1/1/1 2/2/1 3/3/1 4/4/1\n\
                       usemtl tin\nf 1/1/1 2/2/1 3/3/1\n";
 const MATERIALS: &str = "newmtl tin\nKd 0.1 0.2 0.3\nKs 0.8 0.8 0.9\nNs 50\nillum 3\n\n\
-                         newmtl pane\nKd 0.5 0.5 0.5\nd 0.2\nNi 1.33\nKe 1 2 3\n";
+                         newmtl pane\nKd 0.5 0.5 0.5\nd 0.2\nNi 1.33\n";
 
 #[test]
 fn obj_brings_materials_normals_and_coordinates() {
-    let files = [("m.obj", SQUARE.as_bytes()), ("square.mtl", MATERIALS.as_bytes())];
+    let library = MATERIALS.to_owned() + "Ke 1 2 3\n";
+    let files = [("m.obj", SQUARE.as_bytes()), ("square.mtl", library.as_bytes())];
     let (scene, notes) = load(&files, false).expect("it is sound");
     assert_eq!(notes, [""; 0]);
     let mesh = &scene.meshes[0];
@@ -83,6 +84,8 @@ fn wrong_triangles_are_refused_by_line() {
 /// What is lost beside the triangles, as a note; a strict reading refuses it.
 #[test]
 fn faults_beside_the_triangles_are_noted_by_line() {
+    let sound = [("m.obj", SQUARE.as_bytes()), ("square.mtl", MATERIALS.as_bytes())];
+    assert_eq!(load(&sound, true).expect("it is standard").1, [""; 0]);
     for (from, to, expected) in [
         (
             "vt 1 1",
@@ -137,9 +140,9 @@ fn faults_beside_the_triangles_are_noted_by_line() {
             "square.mtl: a model of illumination other than 0 to 10 is left out (line 5: illum)",
         ),
         (
-            "Ke 1 2 3",
-            "Ke 1 2",
-            "square.mtl: a colour that is not one or three numbers from 0 is left out (line 11: Ke)",
+            "Ni 1.33",
+            "Ks 1 2",
+            "square.mtl: a colour that is not one or three numbers from 0 is left out (line 10: Ks)",
         ),
         (
             "Kd 0.1 0.2 0.3",
@@ -383,4 +386,28 @@ fn the_sandbox_holds_for_libraries_and_pictures() {
         let error = Scene::load_with(&path, &options).expect_err("outside").to_string();
         assert!(error.contains("which --sandbox keeps to"), "{error}");
     }
+}
+
+/// Polygons that are convex stay the fans that pictures were made of.
+#[test]
+fn the_shipped_block_is_made_of_fans() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../data/scenes/block.obj");
+    let text = fs::read_to_string(&path).expect("it is there");
+    let lines =
+        |keyword: &'static str| text.lines().filter_map(move |line| line.strip_prefix(keyword));
+    let numbers =
+        |line: &str| line.split(' ').map(|x| x.parse().expect("a number")).collect::<Vec<f32>>();
+    let vertices: Vec<[f32; 3]> =
+        lines("v ").map(|line| numbers(line).try_into().expect("three")).collect();
+    let mut fans = Vec::new();
+    for face in lines("f ") {
+        let place = |corner: &str| corner.split('/').next().and_then(|n| n.parse::<usize>().ok());
+        let corners: Vec<_> =
+            face.split(' ').map(|corner| vertices[place(corner).expect("a number") - 1]).collect();
+        fans.extend(corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]));
+    }
+    let scene = Scene::load(&path).expect("it is sound");
+    let found =
+        scene.meshes[0].triangles.iter().map(|t| t.corners().map(trisect_core::Vec3::to_array));
+    assert_eq!((fans.len(), found.collect::<Vec<_>>()), (12, fans));
 }
