@@ -11,7 +11,7 @@ use trisect_mesh::{ReadProblem, Reading, lines, quoted, unquoted, without_commen
 use crate::error::{SceneError, SceneProblem};
 use crate::load::read_text;
 use crate::model::{Color, Material, Scene};
-use crate::texture::Texture;
+use crate::texture::{Texture, UNUSABLE};
 
 /// A material as the file has it.
 struct Read {
@@ -220,7 +220,7 @@ impl Library<'_> {
         let key = (path, scale.to_array().map(f32::to_bits));
         let texture = if let Some(&known) = self.textures.get(&key) {
             if known.is_none() {
-                self.note(place, "a picture that cannot be used is left out")?;
+                self.note(place, UNUSABLE)?;
             }
             known
         } else {

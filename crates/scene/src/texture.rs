@@ -40,6 +40,9 @@ pub enum Pixels {
     },
 }
 
+/// What is noted of a picture that a surface is shown without.
+pub(crate) const UNUSABLE: &str = "a picture that cannot be used is left out";
+
 impl Texture {
     /// The colour at coordinates of the surface; v grows downwards in a picture, as in glTF.
     #[inline]
@@ -80,7 +83,7 @@ impl Texture {
             Err(SceneProblem::Unread(problem)) if !is_missing(&problem) => Err(problem.into()),
             Err(problem) => {
                 let place = format!("{place}: {}", cut(&problem.to_string(), 300));
-                reading.note(file, &place, "a picture that cannot be used is left out")?;
+                reading.note(file, &place, UNUSABLE)?;
                 Ok(None)
             }
         }
