@@ -11,6 +11,7 @@ use std::num::NonZeroU32;
 use crate::error::MeshProblem;
 use crate::faces::{Corner, Raw, Vertex};
 use crate::mesh::Source;
+use crate::quote::quoted;
 use crate::reading::Reading;
 use crate::text::{coordinates, lines, malformed_line, unquoted, without_comment};
 
@@ -160,7 +161,11 @@ impl ObjFile {
             }
             _ => {
                 let what = "a statement that OBJ does not have is left out";
-                source.reading.note(source.file, &format!("line {line}: `{keyword}`"), what)?;
+                source.reading.note(
+                    source.file,
+                    &format!("line {line}: `{}`", quoted(keyword)),
+                    what,
+                )?;
             }
         }
         Ok(())
@@ -177,8 +182,9 @@ impl ObjFile {
         for word in words.split_ascii_whitespace() {
             let mut parts = word.split('/');
             let vertex = parts.next().unwrap_or_default().parse();
-            let written: i64 = vertex
-                .map_err(|_| malformed_line(line, format!("corner `{word}` is not an index")))?;
+            let written: i64 = vertex.map_err(|_| {
+                malformed_line(line, format!("corner `{}` is not an index", quoted(word)))
+            })?;
             let vertex = from_one(written, so_far[0]).saturating_sub(1);
             self.raw.corners.push(Corner { vertex, written });
             let mut attribute = |so_far| match parts.next().unwrap_or_default() {

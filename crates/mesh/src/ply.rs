@@ -10,6 +10,7 @@ use crate::error::MeshProblem;
 use crate::faces::{Raw, Vertex};
 use crate::mesh::Source;
 use crate::ply_header::{Element, Encoding, Header, Property, Scalar};
+use crate::quote::quoted;
 use crate::text::malformed_line;
 
 /// Lists of more entries are counted before they are read.
@@ -376,7 +377,7 @@ impl<'a> Ascii<'a> {
         let word = self.need(name)?;
         let value = str::from_utf8(word).ok().and_then(|word| word.parse().ok());
         value.ok_or_else(|| {
-            let word = String::from_utf8_lossy(word);
+            let word = quoted(&String::from_utf8_lossy(word));
             self.fault(&format!("`{name}` is `{word}`, not {kind}"))
         })
     }
@@ -427,7 +428,7 @@ impl Body for Ascii<'_> {
             Some(count) if count <= self.words.len() / 2 => Ok(count),
             Some(_) => Err(self.fault(&format!("`{}` is incomplete", property.name))),
             None => {
-                let (name, word) = (&property.name, String::from_utf8_lossy(word));
+                let (name, word) = (&property.name, quoted(&String::from_utf8_lossy(word)));
                 Err(self.fault(&format!("`{name}` has {word} entries, not a count")))
             }
         }
@@ -462,7 +463,7 @@ impl Body for Ascii<'_> {
     fn end(&mut self) -> Result<(), Fault> {
         match self.word() {
             Some(word) => {
-                let word = String::from_utf8_lossy(word);
+                let word = quoted(&String::from_utf8_lossy(word));
                 Err(self.fault(&format!("`{word}` after the last property")))
             }
             None => Ok(()),

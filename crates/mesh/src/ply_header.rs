@@ -2,6 +2,7 @@
 
 use crate::error::MeshProblem;
 use crate::mesh::Source;
+use crate::quote::quoted;
 use crate::text::utf8_mark;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -19,6 +20,7 @@ pub(crate) struct Header {
 }
 
 pub(crate) struct Element {
+    /// As messages quote it.
     pub(crate) name: String,
     pub(crate) count: usize,
     pub(crate) properties: Vec<Property>,
@@ -26,6 +28,7 @@ pub(crate) struct Element {
 
 #[derive(PartialEq)]
 pub(crate) struct Property {
+    /// As messages quote it.
     pub(crate) name: String,
     /// Where it is a list, the type of the number that says how long it is.
     pub(crate) count: Option<Scalar>,
@@ -167,7 +170,9 @@ impl Header {
                         "ascii" => Encoding::Ascii,
                         "binary_little_endian" => Encoding::LittleEndian,
                         "binary_big_endian" => Encoding::BigEndian,
-                        _ => return Err(fault(format!("`{name}` is no encoding of PLY"))),
+                        _ => {
+                            return Err(fault(format!("`{}` is no encoding of PLY", quoted(name))));
+                        }
                     });
                     if *version != ["1.0"] {
                         source.reading.tolerate(&place, "a version other than 1.0")?;
@@ -175,8 +180,9 @@ impl Header {
                 }
                 ("element", [name, count]) => {
                     let count = count.parse();
-                    let count = count.map_err(|_| fault(format!("`{line}` has no sound count")))?;
-                    let name = (*name).to_owned();
+                    let count = count
+                        .map_err(|_| fault(format!("`{}` has no sound count", quoted(&line))))?;
+                    let name = quoted(name);
                     // Of those that nobody reads any number may be there.
                     if is_one_of(&name, &READ_ELEMENTS) && header.element(&name).is_some() {
                         return Err(fault(format!("element `{name}` is there twice")));
@@ -184,8 +190,9 @@ impl Header {
                     header.elements.push(Element { name, count, properties: Vec::new() });
                 }
                 ("property", words) => {
-                    let property = property(words)
-                        .ok_or_else(|| fault(format!("`{line}` is no sound property")))?;
+                    let property = property(words).ok_or_else(|| {
+                        fault(format!("`{}` is no sound property", quoted(&line)))
+                    })?;
                     let element = header.elements.last_mut();
                     let element =
                         element.ok_or_else(|| fault("a property before any element".to_owned()))?;
@@ -198,7 +205,7 @@ impl Header {
                 // A statement that is misspelt must not pass for a remark: what follows would be read
                 // wrongly.
                 (_, words) if is_declaration(&lower, words) => {
-                    return Err(fault(format!("`{line}` is no sound statement")));
+                    return Err(fault(format!("`{}` is no sound statement", quoted(&line))));
                 }
                 _ => {
                     let what = "a line of the header that is no statement is taken as a comment";
@@ -224,7 +231,8 @@ fn property(words: &[&str]) -> Option<Property> {
         words => (None, words),
     };
     let [scalar, name @ ..] = words else { return None };
-    let property = Property { name: name.join(" "), count, scalar: Scalar::named(scalar)? };
+    let property =
+        Property { name: quoted(&name.join(" ")), count, scalar: Scalar::named(scalar)? };
     (!name.is_empty() && count.is_none_or(|count| !count.is_float())).then_some(property)
 }
 

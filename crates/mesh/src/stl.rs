@@ -8,6 +8,7 @@ use std::str::SplitAsciiWhitespace;
 use crate::error::{MeshProblem, Place};
 use crate::faces::{Raw, Vertex};
 use crate::mesh::Source;
+use crate::quote::quoted;
 use crate::text::{coordinates, lines, malformed_line, utf8_mark};
 
 /// Bytes before the first record: a comment of 80 and the count of 4.
@@ -167,7 +168,12 @@ fn parse_ascii(text: &str, source: &mut Source<'_>) -> Result<Raw, MeshProblem> 
                 source.reading.note(source.file, &place(), "a colour is left out")?;
                 inside
             }
-            _ => return Err(malformed_line(line, format!("`{word}` does not belong here"))),
+            _ => {
+                return Err(malformed_line(
+                    line,
+                    format!("`{}` does not belong here", quoted(word)),
+                ));
+            }
         };
     }
     if inside == Inside::Nothing {

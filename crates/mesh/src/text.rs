@@ -6,6 +6,7 @@ use std::path::Path;
 use encoding_rs::{UTF_8, WINDOWS_1252};
 
 use crate::error::MeshProblem;
+use crate::quote::quoted;
 use crate::reading::{ReadProblem, Reading};
 
 impl Reading {
@@ -100,7 +101,8 @@ pub(crate) fn malformed_line(line: usize, what: impl Into<String>) -> MeshProble
 /// Parses one decimal coordinate of a text file. NaN and infinity are left to where it is used.
 pub(crate) fn coordinate(word: Option<&str>, line: usize, axis: char) -> Result<f64, MeshProblem> {
     let word = word.ok_or_else(|| malformed_line(line, format!("{axis} is missing")))?;
-    word.parse().map_err(|_| malformed_line(line, format!("{axis} is `{word}`, not a number")))
+    word.parse()
+        .map_err(|_| malformed_line(line, format!("{axis} is `{}`, not a number", quoted(word))))
 }
 
 /// Parses the three coordinates at the head of `words`.

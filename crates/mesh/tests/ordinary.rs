@@ -515,3 +515,34 @@ fn memory_is_limited_for_what_is_decoded_too() {
     let message = load(text.len() as u64 * 2).expect_err("it is more when decoded").to_string();
     assert!(message.ends_with("that --max-memory allows; raise it"), "{message}");
 }
+
+/// A line of a file may be long, and hold anything.
+#[test]
+fn messages_quote_the_head_of_what_is_wrong() {
+    let long = "\u{1b}".repeat(5000);
+    for (name, sound, from) in [
+        ("m.obj", OBJ, "v 1 0 0"),
+        ("m.obj", OBJ, "f 1 3 2"),
+        ("m.stl", STL, "vertex 1 0 0"),
+        ("m.stl", STL, "outer"),
+        ("m.ply", PLY, "ply"),
+        ("m.ply", PLY, "ascii"),
+        ("m.ply", PLY, "element vertex 4"),
+        ("m.ply", PLY, "property float x"),
+        ("m.ply", PLY, "1 0 0"),
+        ("m.ply", PLY, "3 0 2 1"),
+        ("m.ply", PLY, "0 2 1"),
+    ] {
+        let at = sound.find(from).expect("it is there") + from.len() - 1;
+        let text = format!("{}{long}{}", &sound[..at], &sound[at..]);
+        let message = read(name, text.as_bytes(), false).expect_err(from);
+        assert!(
+            message.len() < 600 && !message.contains('\u{1b}'),
+            "{from}: {} {message}",
+            message.len()
+        );
+    }
+    let text = format!("{OBJ}{long} 1\n");
+    let mesh = read("m.obj", text.as_bytes(), false).expect("one statement is left out");
+    assert!(notes(&mesh)[0].len() < 600 && !notes(&mesh)[0].contains('\u{1b}'));
+}

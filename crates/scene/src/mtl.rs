@@ -93,7 +93,7 @@ struct Library<'a> {
 
 impl Library<'_> {
     fn statement(&mut self, line: usize, field: &str, rest: &str) -> Result<(), SceneError> {
-        let place = format!("line {line}: {field}");
+        let place = format!("line {line}: {}", quoted(field));
         let keyword = field.to_ascii_lowercase();
         if field.is_empty() || field.starts_with('#') {
             return Ok(());
@@ -218,17 +218,16 @@ impl Library<'_> {
         }
         let path = beside(self.path.parent(), file);
         let key = (path, scale.to_array().map(f32::to_bits));
-        let known = self.textures.get(&key).copied();
-        if known == Some(None) {
-            self.note(place, UNUSABLE)?;
-        }
-        let texture = if let Some(known) = known {
+        let texture = if let Some(&known) = self.textures.get(&key) {
+            if known.is_none() {
+                self.note(place, UNUSABLE)?;
+            }
             known
         } else {
             let pixels = Texture::load(&key.0, self.reading);
             let place = format!("{place}: `{}`", quoted(file));
-            let pixels = Texture::or_without(pixels, self.file, &place, self.reading)
-                .map_err(|problem| problem.of_file(key.0.display().to_string()))?;
+            let pixels = Texture::or_without(pixels, self.file, &place, self.reading);
+            let pixels = pixels.map_err(|problem| self.of_picture(problem, &key.0))?;
             let texture = pixels.map(|pixels| {
                 // v grows upwards in OBJ.
                 let scale = scale * Vec2::new(1.0, -1.0);
@@ -240,6 +239,14 @@ impl Library<'_> {
         };
         self.change(texture, |material, texture| material.texture = Some(texture));
         Ok(())
+    }
+
+    /// What is not standard is the library's fault; all else the picture's.
+    fn of_picture(&self, problem: SceneProblem, picture: &Path) -> SceneError {
+        match problem {
+            SceneProblem::Unread(ReadProblem::NotStandard { .. }) => problem.of_file(self.file),
+            _ => problem.of_file(picture.display().to_string()),
+        }
     }
 
     fn note(&mut self, place: &str, what: &str) -> Result<(), SceneError> {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 use trisect_core::Triangle;
-use trisect_mesh::{ObjFile, ObjLine, ReadProblem, Reading, unquoted};
+use trisect_mesh::{ObjFile, ObjLine, ReadProblem, Reading, quoted, unquoted};
 
 use crate::error::{SceneError, SceneProblem};
 use crate::load::read_text;
@@ -34,7 +34,7 @@ pub(crate) fn load(
                     if is_missing(&problem) =>
                 {
                     let what = "a material library that cannot be read is left out";
-                    let place = format!("line {}: `{library}`: {problem}", line.number);
+                    let place = format!("line {}: `{}`: {problem}", line.number, quoted(library));
                     reading.note(&name, &place, what).map_err(unread)?;
                     continue;
                 }
@@ -58,7 +58,9 @@ pub(crate) fn load(
         // Without any library the names say nothing, and nothing uses some.
         if material.is_none() && is_used && !known.is_empty() && !text.is_empty() {
             let what = "a material that no library has is taken as grey";
-            reading.note(&name, &format!("line {number}: `{text}`"), what).map_err(unread)?;
+            reading
+                .note(&name, &format!("line {number}: `{}`", quoted(text)), what)
+                .map_err(unread)?;
         }
         materials.push(material.unwrap_or(grey));
     }
