@@ -140,7 +140,10 @@ impl Reader<'_> {
                 let lens = lens.filter(|_| is_sound);
                 let camera = lens.and_then(|lens| Camera::towards(position, forward, up, lens));
                 if let Some(camera) = camera {
-                    draft.scene.cameras.push(Camera { name: node.name.clone(), ..camera });
+                    draft
+                        .scene
+                        .cameras
+                        .push(Camera { name: node.name.clone().unwrap_or_default(), ..camera });
                 } else {
                     let what = "a camera that sees nothing, left out: its kind is unknown, or its \
                                     angle, height or transform is 0 or too large";
@@ -200,7 +203,7 @@ impl Reader<'_> {
         // Phong's exponent of the microfacets' width (Walter et al. 2007, section 5.2), roughness squared.
         let width = (roughness * roughness).max(1e-3);
         Ok(Material {
-            name: material.name.clone(),
+            name: material.name.clone().unwrap_or_default(),
             diffuse: base * (1.0 - metallic) * (1.0 - clear),
             specular: metal * (1.0 - smooth),
             shininess: (2.0 / (width * width) - 2.0).clamp(0.0, 1e6),

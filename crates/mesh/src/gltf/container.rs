@@ -6,7 +6,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
-use super::document::{Asset, Document, Version};
+use super::document::{Asset, Document, OF_OBJECT, Version};
 use super::malformed;
 use crate::error::MeshProblem;
 use crate::quote::{cut, quoted};
@@ -78,6 +78,9 @@ pub(super) fn parse(mut json: &[u8], reading: &mut Reading) -> Result<Document, 
         reading.tolerate("end of the JSON", "zero bytes")?;
         json = &json[..end];
     }
+    // An object of two characters becomes one of hundreds of bytes; numbers and text grow less.
+    let objects: u64 = json.iter().map(|&byte| u64::from(byte == b'{')).sum();
+    reading.claim(objects * OF_OBJECT + 4 * json.len() as u64)?;
     let document: Document = serde_json::from_slice(json).map_err(|error| {
         let what = cut(&error.to_string(), 200);
         match error.classify() {

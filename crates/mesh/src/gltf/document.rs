@@ -7,6 +7,13 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
+/// Bytes of the largest object of a document, near enough.
+pub(super) const OF_OBJECT: u64 = {
+    let sizes = [size_of::<Node>(), size_of::<Material>(), size_of::<Primitive>()];
+    let larger = if sizes[0] > sizes[1] { sizes[0] } else { sizes[1] };
+    (if larger > sizes[2] { larger } else { sizes[2] }) as u64
+};
+
 /// The document. Lists are empty where the file has none.
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
@@ -112,8 +119,8 @@ pub(super) struct Scene {
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct Node {
-    /// Its name; may be empty.
-    pub name: String,
+    /// Its name, if it has one.
+    pub name: Option<String>,
     pub(super) children: Vec<usize>,
     pub(super) matrix: Option<Box<[f64; 16]>>,
     pub(super) translation: Option<[f64; 3]>,
@@ -148,8 +155,7 @@ impl Node {
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Mesh {
-    #[serde(default)]
-    pub(super) name: String,
+    pub(super) name: Option<String>,
     pub(super) primitives: Vec<Primitive>,
     #[serde(default)]
     pub(super) weights: Vec<f64>,
@@ -295,8 +301,8 @@ impl Default for Spot {
 #[derive(Debug, Default, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Material {
-    /// Its name; may be empty.
-    pub name: String,
+    /// Its name, if it has one.
+    pub name: Option<String>,
     /// The metallic-roughness model.
     #[serde(rename = "pbrMetallicRoughness")]
     pub surface: Surface,

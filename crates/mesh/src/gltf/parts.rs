@@ -131,7 +131,7 @@ impl GltfFile {
 
     /// The name of a mesh; may be empty.
     pub fn mesh_name(&self, mesh: usize) -> &str {
-        self.document.meshes.get(mesh).map_or("", |mesh| &mesh.name)
+        self.document.meshes.get(mesh).and_then(|mesh| mesh.name.as_deref()).unwrap_or_default()
     }
 
     /// Checks that a mesh's corners are finite in f32 where it is placed.
@@ -295,9 +295,9 @@ impl GltfFile {
         reading: &mut Reading,
     ) -> Result<(), MeshProblem> {
         let joints = self.joint_matrices(number, reading)?;
+        reading.claim(positions.len() as u64 * size_of::<(Matrix, f64)>() as u64)?;
         let mut blended = vec![[[0.0; 4]; 4]; positions.len()];
         let mut sums = vec![0.0; positions.len()];
-        reading.claim(blended.len() as u64 * size_of::<(Matrix, f64)>() as u64)?;
         let pairs = (0..).map_while(|set: usize| {
             let attribute = |name: &str| primitive.attributes.get(&format!("{name}_{set}"));
             Some((attribute("JOINTS")?, attribute("WEIGHTS")?))

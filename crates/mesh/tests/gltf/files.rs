@@ -171,6 +171,20 @@ fn what_departs_without_doubt_is_read_unless_strictly() {
 }
 
 #[test]
+fn objects_of_two_characters_are_counted_before_they_are_made() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("m.gltf");
+    let text = format!(r#"{{"nodes": [{}{{}}]}}"#, "{},".repeat(100_000));
+    std::fs::write(&path, text).expect("it is written");
+    let options = ReadOptions { max_memory: 10 << 20, ..ReadOptions::default() };
+    let message = Mesh::load_with(&path, &options).expect_err("20 MB of nodes").to_string();
+    assert!(
+        message.ends_with("needs more than the 10485760 bytes that --max-memory allows; raise it")
+    );
+    assert!(Mesh::load(&path).expect_err("nothing").to_string().contains("no triangles"));
+}
+
+#[test]
 fn deep_nesting_is_passed_over_or_refused() {
     let deep = format!("{}{}", "[".repeat(1_000_000), "]".repeat(1_000_000));
     for (text, expected) in [
