@@ -9,7 +9,6 @@ use serde::Serialize;
 use trisect_core::{Output, Triangle};
 use trisect_harness::{Candidate, Explanation, Inputs, Omission, RecommendSettings};
 use trisect_render::{Settings, Stage};
-use trisect_scene::Scene;
 
 use crate::arguments::Explain;
 use crate::progress::Bar;
@@ -41,8 +40,7 @@ struct Report {
 
 pub(crate) fn run(arguments: &Explain) -> Result<()> {
     let entry = tasks::method(&arguments.method)?;
-    let scene = Scene::load_with(&arguments.scene, &(&arguments.reading).into())?;
-    tasks::say_notes(&scene.notes);
+    let scene = tasks::load_scene(&arguments.scene, &arguments.reading)?;
     let settings = Settings {
         depth: arguments.depth,
         lights: arguments.lights.map_or(usize::MAX, usize::from),

@@ -51,8 +51,7 @@ pub(crate) fn run(arguments: &Render) -> Result<()> {
     let format = ImageFormat::of(out).map_err(|error| anyhow!("{}: {error}", out.display()))?;
     output::check_file_for(out, "--out")?;
     let start = Instant::now();
-    let scene = Scene::load_with(&arguments.scene, &(&arguments.reading).into())?;
-    tasks::say_notes(&scene.notes);
+    let scene = tasks::load_scene(&arguments.scene, &arguments.reading)?;
     let load = start.elapsed();
     let settings = settings(arguments, &scene)?;
     let (lights, instances) = (scene.lights.len().min(settings.lights), scene.instances.len());

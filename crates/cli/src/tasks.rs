@@ -8,6 +8,7 @@ use trisect_core::{Culling, Hit, Ray};
 use trisect_harness::record::Family;
 use trisect_harness::{Inputs, Task};
 use trisect_mesh::Note;
+use trisect_scene::Scene;
 use trisect_workloads::{Light, Mesh, RaysFile, Share, Workload};
 
 use crate::arguments::{Measurement, Reading, Subjects};
@@ -100,23 +101,37 @@ pub(crate) fn load_mesh(path: &Path, reading: &Reading) -> Result<Mesh> {
     Ok(mesh)
 }
 
+/// Loads a scene, and says what its readers passed over.
+pub(crate) fn load_scene(path: &Path, reading: &Reading) -> Result<Scene> {
+    let scene = Scene::load_with(path, &reading.into())?;
+    say_notes(&scene.notes);
+    // Less than this is no part of a pixel.
+    if scene.rounding > f64::from(f32::EPSILON) {
+        say_moved(path, scene.rounding, MOVE);
+    }
+    Ok(scene)
+}
+
 /// Says what readers passed over.
-pub(crate) fn say_notes(notes: &[Note]) {
+fn say_notes(notes: &[Note]) {
     for note in notes {
         output::say(note);
     }
 }
 
-/// Says by how much rounding to f32 moves a mesh, where that is more than f32 rounds numbers as large as
-/// the mesh: as far from the origin. `mend` says what to do.
+/// Says by how much rounding to f32 moves a mesh, where a corner moves at all. `mend` says what to do.
 pub(crate) fn say_rounding(path: &Path, mesh: &Mesh, mend: &str) {
     let rounding = mesh.rounding();
-    if rounding > f64::from(f32::EPSILON) {
-        output::say(format_args!(
-            "{}: rounded to f32 its corners move by up to {rounding:.1e} of its size; {mend}",
-            path.display()
-        ));
+    if rounding > 0.0 {
+        say_moved(path, rounding, mend);
     }
+}
+
+fn say_moved(path: &Path, rounding: f64, mend: &str) {
+    output::say(format_args!(
+        "{}: rounded to f32 its corners move by up to {rounding:.1e} of its size; {mend}",
+        path.display()
+    ));
 }
 
 /// The same of all meshes that were read, where everything is in f32.
@@ -127,7 +142,7 @@ pub(crate) fn say_all_rounding(subjects: &Subjects, meshes: &[Mesh]) {
 }
 
 /// What to do about rounding where everything is in f32.
-pub(crate) const MOVE: &str = "move it to the origin before it is written";
+pub(crate) const MOVE: &str = "f32 is finest at the origin: move it there before it is written";
 
 /// Reads rays from a file, or from standard input for `-`.
 pub(crate) fn load_rays(path: &Path, reading: &Reading) -> Result<RaysFile> {

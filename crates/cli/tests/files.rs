@@ -55,7 +55,7 @@ fn rounding_that_moves_a_mesh_is_said_once() {
     let folder = map();
     let keeps = "--precision f64 keeps them where they are\n";
     let both = "kernels in f32 are judged by where they move to\n";
-    let moves = "move it to the origin before it is written\n";
+    let moves = "f32 is finest at the origin: move it there before it is written\n";
     for (arguments, mend) in [
         ("query --mesh map.ply --rays above.csv --method exact", keeps),
         ("query --mesh map.ply --rays above.csv --method oracle", keeps),
