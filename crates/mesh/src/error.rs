@@ -74,9 +74,9 @@ pub enum MeshProblem {
         /// What to do instead.
         mend: &'static str,
     },
-    /// A face is not a triangle.
-    #[error("face {face} has {corners} corners; triangulate the mesh first")]
-    NotATriangle {
+    /// A face that must be a triangle has fewer corners.
+    #[error("face {face} has {corners} corners; export the mesh again")]
+    TooFewCorners {
         /// The face.
         face: Place,
         /// How many corners it has.
@@ -95,9 +95,13 @@ pub enum MeshProblem {
         /// How many vertices the mesh has.
         vertices: usize,
     },
-    /// A coordinate is NaN, infinite, or beyond the range of f32.
-    #[error("vertex {vertex}: {axis} is {value}; every coordinate must be a finite f32")]
+    /// A coordinate of a face is NaN, infinite, or beyond the range of f32.
+    #[error(
+        "face {face}: vertex {vertex}: {axis} is {value}; every coordinate must be a finite f32"
+    )]
     NotFinite {
+        /// The face.
+        face: Place,
         /// The vertex.
         vertex: Place,
         /// Which coordinate.

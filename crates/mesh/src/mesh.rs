@@ -49,12 +49,13 @@ pub struct Mesh {
     /// The name it was given, or the file's name without its ending.
     pub name: String,
     /// The triangles in f32, each coordinate rounded once, in the order of the file. A polygon of n
-    /// corners is n − 2 of them, one after another.
+    /// corners whose outline does not touch itself is n − 2 of them, one after another.
     pub triangles: Arc<[Triangle<f32>]>,
     /// The triangles as the file holds them, where that is not the same.
     finer: Option<Arc<[Triangle<f64>]>>,
     /// How many of [`triangles`](Mesh::triangles) have no area at all: three points exactly on one
-    /// line (or one point).
+    /// line (or one point). [`degenerate_f64`](Mesh::degenerate_f64) of them are so in the file; the
+    /// rest lost their area when they were rounded.
     ///
     /// Decided without rounding error: the points are collinear when the exact orientation
     /// predicate of Shewchuk 1997 vanishes for their projections to the xy, yz and zx planes.
@@ -70,7 +71,7 @@ pub struct Mesh {
 pub enum MeshFormat {
     /// `.ply`, ascii or binary of either byte order.
     Ply,
-    /// `.obj`: its `v` and `f` lines; everything else is passed over.
+    /// `.obj`: its polygons.
     Obj,
     /// `.stl`, ascii or binary.
     Stl,
@@ -164,6 +165,7 @@ impl Mesh {
         });
         let problem = match coordinates.find(|(.., x)| !x.is_finite()) {
             Some((number, axis, value)) => Some(MeshProblem::NotFinite {
+                face: Place { number: number / 3, line: None },
                 vertex: Place { number, line: None },
                 axis,
                 value: value.into(),
@@ -200,6 +202,13 @@ impl Mesh {
     pub fn triangles_f64(&self) -> Arc<[Triangle<f64>]> {
         let widened = || self.triangles.iter().copied().map(Triangle::from).collect();
         self.finer.clone().unwrap_or_else(widened)
+    }
+
+    /// How many of the triangles have no area in f64, as the file holds them; decided as
+    /// [`degenerate`](Mesh::degenerate).
+    pub fn degenerate_f64(&self) -> usize {
+        let Some(finer) = &self.finer else { return self.degenerate };
+        finer.iter().filter(|triangle| triangle.is_degenerate()).count()
     }
 
     /// By how much the corner that moves most moves when it is rounded to f32, relative to the diagonal
@@ -245,12 +254,12 @@ fn parse(
     source: &mut Source<'_>,
 ) -> Result<Vec<Triangle<f64>>, MeshProblem> {
     match format {
-        MeshFormat::Ply => ply::parse(bytes),
-        MeshFormat::Obj => obj::parse(bytes),
-        MeshFormat::Stl => stl::parse(bytes),
+        MeshFormat::Ply => ply::parse(bytes, source),
+        MeshFormat::Obj => obj::parse(bytes, source),
+        MeshFormat::Stl => stl::parse(bytes, source),
         MeshFormat::Gltf => gltf::parse(bytes, source),
     }
-    .and_then(|raw: Raw| raw.triangles())
+    .and_then(|raw: Raw| raw.triangles(source))
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "the nearest is meant")]

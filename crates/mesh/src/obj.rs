@@ -3,32 +3,41 @@
 //! Read here, not by a library: those at hand drop or merge what they do not like, renumber the
 //! vertices and keep no line numbers, so that no message could name the place of a mistake.
 
-use std::ops::Range;
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::iter::Peekable;
+use std::num::NonZeroU32;
 
-use crate::error::{MeshProblem, Place};
-use crate::faces::{self, Raw, Vertex, all_finite, vertex_at};
-use crate::text::{coordinates, malformed_line, text};
+use crate::error::MeshProblem;
+use crate::faces::{Corner, Raw, Vertex};
+use crate::mesh::Source;
+use crate::quote::quoted;
+use crate::reading::Reading;
+use crate::text::{coordinates, lines, malformed_line, unquoted, without_comment};
 
-/// An OBJ file: vertices, faces, and which material each is of. Texture coordinates and normals are not
-/// looked at before they are asked for, by [`triangles`](ObjFile::triangles).
+/// An OBJ file: its polygons with all that their corners have, and which material each is of.
 #[derive(Default)]
-pub struct ObjFile<'a> {
-    vertices: Vec<Vertex>,
-    coordinates: Vec<ObjLine<'a>>,
-    normals: Vec<ObjLine<'a>>,
-    corners: Vec<Corner<'a>>,
-    faces: Vec<ObjFace>,
-    materials: Vec<ObjLine<'a>>,
-    libraries: Vec<&'a str>,
+pub struct ObjFile {
+    raw: Raw,
+    coordinates: Vec<Option<[f32; 2]>>,
+    normals: Vec<Option<[f32; 3]>>,
+    /// The texture coordinates and the normal of each of the raw corners, by their numbers from 1.
+    attributes: Vec<[Option<NonZeroU32>; 2]>,
+    materials: Vec<ObjLine>,
+    /// The faces from which on another material counts.
+    material_from: Vec<(usize, usize)>,
+    libraries: Vec<ObjLine>,
+    /// The places of the materials and of the libraries by their names.
+    names: [HashMap<String, usize>; 2],
 }
 
 /// What follows the keyword of a line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ObjLine<'a> {
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ObjLine {
     /// Its number, from 1.
     pub number: usize,
     /// The text.
-    pub text: &'a str,
+    pub text: String,
 }
 
 /// A corner of a triangle.
@@ -51,235 +60,306 @@ pub struct ObjTriangle {
     pub material: Option<usize>,
 }
 
-/// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-struct Corner<'a> {
-    vertex: faces::Corner,
-    /// What follows the first slash.
-    rest: &'a str,
+pub(crate) fn parse(bytes: &[u8], source: &mut Source<'_>) -> Result<Raw, MeshProblem> {
+    let text = source.reading.decode(bytes)?;
+    Ok(ObjFile::read(&text, source)?.raw)
 }
 
-struct ObjFace {
-    corners: Range<usize>,
-    material: Option<usize>,
-    line: usize,
-    /// Texture coordinates and normals before it: negative numbers count back from there.
-    so_far: [usize; 2],
-}
-
-pub(crate) fn parse(bytes: &[u8]) -> Result<Raw, MeshProblem> {
-    let file = ObjFile::parse(text(bytes)?)?;
-    let mut raw = Raw { vertices: file.vertices, ..Raw::default() };
-    for face in &file.faces {
-        let corners = &file.corners[face.corners.clone()];
-        raw.push_corners(corners.iter().map(|corner| corner.vertex), Some(face.line));
-    }
-    Ok(raw)
-}
-
-impl<'a> ObjFile<'a> {
-    /// Reads a file.
+impl ObjFile {
+    /// Reads a file's text; `file` stands for it in messages.
     ///
     /// # Errors
-    /// When a vertex or a corner is malformed.
-    pub fn parse(text: &'a str) -> Result<Self, MeshProblem> {
+    /// When a vertex or a corner is malformed, and for what the reading refuses.
+    pub fn parse(text: &str, file: &str, reading: &mut Reading) -> Result<Self, MeshProblem> {
+        Self::read(text, &mut Source { file, folder: None, reading })
+    }
+
+    fn read(text: &str, source: &mut Source<'_>) -> Result<Self, MeshProblem> {
         let mut file = Self::default();
-        let mut material = None;
-        for (number, content) in text.lines().enumerate() {
-            let line = number + 1;
-            let content = content.split('#').next().unwrap_or_default().trim();
-            if content.ends_with('\\') {
-                return Err(MeshProblem::Unsupported {
-                    what: format!("line {line}: continued lines (\\) are"),
-                    mend: "re-export the mesh",
-                });
-            }
-            let (keyword, rest) = content.split_once(char::is_whitespace).unwrap_or((content, ""));
-            let rest = ObjLine { number: line, text: rest.trim() };
-            let mut words = rest.text.split_whitespace();
-            match keyword {
-                "v" => {
-                    let at = coordinates(&mut words, line)?;
-                    file.vertices.push(Vertex { at, line: Some(line) });
-                }
-                "vt" => file.coordinates.push(rest),
-                "vn" => file.normals.push(rest),
-                "f" => {
-                    let first = file.corners.len();
-                    for word in words {
-                        file.corners.push(corner(word, line, file.vertices.len())?);
-                    }
-                    let so_far = [file.coordinates.len(), file.normals.len()];
-                    let corners = first..file.corners.len();
-                    file.faces.push(ObjFace { corners, material, line, so_far });
-                }
-                "usemtl" => {
-                    let is_same = |known: &ObjLine<'_>| known.text == rest.text;
-                    material = Some(file.materials.iter().position(is_same).unwrap_or_else(|| {
-                        file.materials.push(rest);
-                        file.materials.len() - 1
-                    }));
-                }
-                "mtllib" if !file.libraries.contains(&rest.text) => file.libraries.push(rest.text),
-                _ => {}
+        let mut physical = lines(text).peekable();
+        while let Some((line, content)) = logical_line(&mut physical) {
+            let (keyword, rest) = content.split_once(char::is_whitespace).unwrap_or((&content, ""));
+            let keyword = if keyword.bytes().any(|byte| byte.is_ascii_uppercase()) {
+                source.reading.tolerate(format!("line {line}"), "a keyword in upper case")?;
+                Cow::Owned(keyword.to_ascii_lowercase())
+            } else {
+                Cow::Borrowed(keyword)
+            };
+            file.statement(&keyword, rest, line, source)?;
+            if line.is_multiple_of(1 << 12) {
+                file.raw.claim(source.reading)?;
             }
         }
+        file.raw.claim(source.reading)?;
+        file.drop_attributes_that_are_not_there(source)?;
         Ok(file)
     }
 
+    fn statement(
+        &mut self,
+        keyword: &str,
+        rest: &str,
+        line: usize,
+        source: &mut Source<'_>,
+    ) -> Result<(), MeshProblem> {
+        let place = || format!("line {line}");
+        // A number ends where a comment begins, with white space between or not.
+        let numbers = rest.split('#').next().unwrap_or_default();
+        let name = || ObjLine { number: line, text: unquoted(without_comment(rest)).to_owned() };
+        match keyword {
+            "v" => {
+                let mut words = numbers.split_ascii_whitespace();
+                let at = coordinates(&mut words, line)?;
+                self.raw.vertices.push(Vertex { at, line: Some(line) });
+                if !at.iter().all(|x| x.is_finite()) {
+                    // Where no face uses it, it is nothing; where one does, it is an error.
+                    source.reading.tolerate(place(), "a coordinate that is not finite")?;
+                }
+                if let Some(word) = words.next() {
+                    after_coordinates(word, words.count(), line, source)?;
+                }
+            }
+            "vt" => {
+                let found = texture_coordinates(numbers);
+                self.coordinates.push(found);
+                if found.is_none() {
+                    let what = "texture coordinates that are not finite numbers are left out";
+                    source.reading.note(source.file, &place(), what)?;
+                }
+            }
+            "vn" => {
+                self.normals.push(finite(numbers));
+                if self.normals.last() == Some(&None) {
+                    let what = "a normal that is not three finite numbers is left out";
+                    source.reading.note(source.file, &place(), what)?;
+                }
+            }
+            "f" | "fo" => self.face(numbers, line, source)?,
+            "usemtl" => {
+                let material = first_use(&mut self.materials, &mut self.names[0], name());
+                self.material_from.push((self.raw.faces.len(), material));
+            }
+            "mtllib" => {
+                first_use(&mut self.libraries, &mut self.names[1], name());
+            }
+            "" | "#" | "g" | "o" | "s" | "mg" | "vp" | "bevel" | "c_interp" | "d_interp"
+            | "lod" | "usemap" | "maplib" | "shadow_obj" | "trace_obj" | "parm" | "trim"
+            | "hole" | "scrv" | "sp" | "end" | "con" | "deg" | "cstype" | "bmat" | "step"
+            | "ctech" | "stech" | "res" => {}
+            _ if keyword.starts_with('#') => {}
+            "p" | "l" => {
+                let what = "points and lines are left out: no ray can hit them";
+                source.reading.remark(source.file, &place(), what);
+            }
+            "curv" | "curv2" | "surf" | "bsp" | "bzp" | "cdc" | "cdp" => {
+                let what = "free-form curves and surfaces are left out; export them as polygons";
+                source.reading.remark(source.file, &place(), what);
+            }
+            "call" | "csh" => {
+                let what = "`call` and `csh` are not followed; what they bring is left out";
+                source.reading.remark(source.file, &place(), what);
+            }
+            _ => {
+                let what = "a statement that OBJ does not have is left out";
+                source.reading.note(
+                    source.file,
+                    &format!("line {line}: `{}`", quoted(keyword)),
+                    what,
+                )?;
+            }
+        }
+        Ok(())
+    }
+
+    fn face(
+        &mut self,
+        words: &str,
+        line: usize,
+        source: &mut Source<'_>,
+    ) -> Result<(), MeshProblem> {
+        let so_far = [self.raw.vertices.len(), self.coordinates.len(), self.normals.len()];
+        let first = self.raw.corners.len();
+        for word in words.split_ascii_whitespace() {
+            let mut parts = word.split('/');
+            let vertex = parts.next().unwrap_or_default().parse();
+            let written: i64 = vertex.map_err(|_| {
+                malformed_line(line, format!("corner `{}` is not an index", quoted(word)))
+            })?;
+            let vertex = from_one(written, so_far[0]).saturating_sub(1);
+            self.raw.corners.push(Corner { vertex, written });
+            let mut attribute = |so_far| match parts.next().unwrap_or_default() {
+                "" => None,
+                part => {
+                    let number = part.parse().map_or(0, |written| from_one(written, so_far));
+                    // What is out of range lies beyond the end, and is dropped there.
+                    let number = u32::try_from(number).ok().and_then(NonZeroU32::new);
+                    Some(number.unwrap_or(NonZeroU32::MAX))
+                }
+            };
+            self.attributes.push([attribute(so_far[1]), attribute(so_far[2])]);
+            if parts.next().is_some() {
+                let what = "what a corner has after its third number is left out";
+                source.reading.note(source.file, &format!("line {line}"), what)?;
+            } else if word.ends_with('/') {
+                source.reading.tolerate(format!("line {line}"), "a corner that ends with `/`")?;
+            }
+        }
+        self.raw.close_face(first, Some(line));
+        Ok(())
+    }
+
+    fn drop_attributes_that_are_not_there(
+        &mut self,
+        source: &mut Source<'_>,
+    ) -> Result<(), MeshProblem> {
+        let counts = [self.coordinates.len(), self.normals.len()];
+        for face in &self.raw.faces {
+            for attributes in &mut self.attributes[face.corners.clone()] {
+                for (attribute, count) in attributes.iter_mut().zip(counts) {
+                    if attribute.is_some_and(|number| number.get() as usize > count) {
+                        *attribute = None;
+                        let place = format!("line {}", face.line.unwrap_or_default());
+                        let what = "texture coordinates and normals that the file does not have are \
+                                    left out";
+                        source.reading.note(source.file, &place, what)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// The materials in use (`usemtl`), with the line that names each first.
-    pub fn materials(&self) -> &[ObjLine<'a>] {
+    pub fn materials(&self) -> &[ObjLine] {
         &self.materials
     }
 
-    /// The material libraries (`mtllib`).
-    pub fn libraries(&self) -> &[&'a str] {
+    /// The material libraries (`mtllib`), as the lines have them.
+    pub fn libraries(&self) -> &[ObjLine] {
         &self.libraries
     }
 
-    /// The triangles with all that their corners have; a face of more corners is a fan of triangles.
+    /// The triangles with all that their corners have, in the order of the faces.
     ///
     /// # Errors
-    /// When there are none, a face has fewer than three corners or names what there is not, or a number
-    /// is not finite.
-    pub fn triangles(&self) -> Result<Vec<ObjTriangle>, MeshProblem> {
-        all_finite(&self.vertices)?;
-        let coordinates: Vec<[f32; 2]> = finite("vt", &self.coordinates)?;
-        let normals: Vec<[f32; 3]> = finite("vn", &self.normals)?;
-        let mut triangles = Vec::with_capacity(self.faces.len());
-        for (number, face) in self.faces.iter().enumerate() {
-            let place = Place { number, line: Some(face.line) };
-            let corners = &self.corners[face.corners.clone()];
-            let read = |corner: &Corner<'_>| -> Result<ObjCorner, MeshProblem> {
-                let mut rest = corner.rest.split('/');
-                let mut next = |kind| number_in(rest.next().unwrap_or_default(), kind, face.line);
-                let (at, normal) = (next("texture coordinates")?, next("normal")?);
-                Ok(ObjCorner {
-                    position: vertex_at(&self.vertices, corner.vertex, place)?,
-                    coordinates: found(&coordinates, at, face.so_far[0], "vt", face.line)?,
-                    normal: found(&normals, normal, face.so_far[1], "vn", face.line)?,
-                })
-            };
-            let corners = corners.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-            if corners.len() < 3 {
-                return Err(MeshProblem::NotATriangle { face: place, corners: corners.len() });
+    /// When there are none, or a face names a vertex that there is not or that is not finite.
+    pub fn triangles(
+        &self,
+        file: &str,
+        reading: &mut Reading,
+    ) -> Result<Vec<ObjTriangle>, MeshProblem> {
+        let count = self.raw.corners.len().saturating_sub(2 * self.raw.faces.len());
+        reading.claim((count * size_of::<ObjTriangle>()) as u64)?;
+        let mut triangles = Vec::with_capacity(count);
+        let mut materials = self.material_from.iter().peekable();
+        let mut material = None;
+        let mut source = Source { file, folder: None, reading };
+        self.raw.each_triangle(&mut source, |face, positions, places| {
+            while let Some((_, next)) = materials.next_if(|(from, _)| *from <= face) {
+                material = Some(*next);
             }
-            let material = face.material;
-            triangles.extend(
-                corners[1..]
-                    .windows(2)
-                    .map(|pair| ObjTriangle { corners: [corners[0], pair[0], pair[1]], material }),
-            );
-        }
+            let corner = |i: usize| {
+                let [coordinates, normal] = self.attributes[places[i]];
+                let place = |number: NonZeroU32| number.get() as usize - 1;
+                ObjCorner {
+                    position: positions[i],
+                    coordinates: coordinates.and_then(|number| self.coordinates[place(number)]),
+                    normal: normal.and_then(|number| self.normals[place(number)]),
+                }
+            };
+            triangles.push(ObjTriangle { corners: [corner(0), corner(1), corner(2)], material });
+        })?;
         if triangles.is_empty() { Err(MeshProblem::Empty) } else { Ok(triangles) }
     }
 }
 
-/// Reads the number of a corner's vertex, which counts from 1, or back from the last vertex so far.
-fn corner(word: &str, line: usize, so_far: usize) -> Result<Corner<'_>, MeshProblem> {
-    let (first, rest) = word.split_once('/').unwrap_or((word, ""));
-    let written = first
-        .parse()
-        .map_err(|_| malformed_line(line, format!("corner `{word}` is not an index")))?;
-    let vertex = faces::Corner { vertex: from_zero(written, so_far), written };
-    Ok(Corner { vertex, rest })
-}
-
-/// A number that counts from 1, or back from the last so far, as one that counts from 0.
-fn from_zero(written: i64, so_far: usize) -> i64 {
-    let base = if written < 0 { i64::try_from(so_far).unwrap_or(i64::MAX) } else { -1 };
-    base.saturating_add(written)
-}
-
-/// The number of a corner's texture coordinates or normal, where it has one.
-fn number_in(word: &str, kind: &str, line: usize) -> Result<Option<i64>, MeshProblem> {
-    if word.is_empty() {
-        return Ok(None);
+/// The next line, with those that continue it: a line that ends with `\`, and not in a comment, goes on
+/// with the next. A name may end with it (a folder of Windows): after a name white space must precede.
+fn logical_line<'a>(
+    lines: &mut Peekable<impl Iterator<Item = (usize, &'a str)>>,
+) -> Option<(usize, Cow<'a, str>)> {
+    let (number, line) = lines.next()?;
+    let line = line.trim();
+    let Some(head) = continued(line) else { return Some((number, Cow::Borrowed(line))) };
+    let is_name = ["o", "g", "usemtl", "mtllib", "usemap", "maplib"]
+        .contains(&line.split_whitespace().next().unwrap_or_default());
+    if is_name && !head.ends_with(char::is_whitespace) {
+        return Some((number, Cow::Borrowed(line)));
     }
-    let number = word.parse();
-    number.map(Some).map_err(|_| malformed_line(line, format!("{kind} `{word}` is not an index")))
+    let mut whole = head.to_owned();
+    for (_, next) in lines.by_ref() {
+        let next = next.trim_end();
+        // A break stands between words, or beside a slash inside of a corner.
+        if !whole.ends_with('/') && !next.starts_with('/') {
+            whole.push(' ');
+        }
+        let head = continued(next);
+        whole.push_str(head.unwrap_or(next));
+        if head.is_none() {
+            break;
+        }
+    }
+    Some((number, Cow::Owned(whole)))
 }
 
-/// What a corner names.
-fn found<T: Copy>(
-    all: &[T],
-    written: Option<i64>,
-    so_far: usize,
-    keyword: &str,
-    line: usize,
-) -> Result<Option<T>, MeshProblem> {
-    let Some(written) = written else { return Ok(None) };
-    let place = usize::try_from(from_zero(written, so_far)).ok();
-    let found = place.and_then(|place| all.get(place));
-    found.copied().map(Some).ok_or_else(|| {
-        let count = all.len();
-        malformed_line(line, format!("{keyword} {written} is not there, the file has {count}"))
+fn continued(line: &str) -> Option<&str> {
+    let head = line.strip_suffix('\\')?;
+    (without_comment(head).len() == head.len()).then_some(head)
+}
+
+/// The place of a name among those that were used before; a new one becomes the last.
+fn first_use(used: &mut Vec<ObjLine>, places: &mut HashMap<String, usize>, name: ObjLine) -> usize {
+    *places.entry(name.text.clone()).or_insert_with(|| {
+        used.push(name);
+        used.len() - 1
     })
 }
 
-/// The first numbers of each line.
-fn finite<const N: usize>(
-    keyword: &str,
-    lines: &[ObjLine<'_>],
-) -> Result<Vec<[f32; N]>, MeshProblem> {
-    let numbers = |line: &ObjLine<'_>| {
-        let words = line.text.split_whitespace().take(N);
-        let numbers: Vec<f32> = words.map_while(|word| word.parse().ok()).collect();
-        let numbers = <[f32; N]>::try_from(numbers).ok();
-        numbers.filter(|numbers| numbers.iter().all(|x| x.is_finite())).ok_or_else(|| {
-            let ObjLine { number, text } = line;
-            malformed_line(*number, format!("{keyword}: `{text}` is not {N} finite numbers"))
-        })
-    };
-    lines.iter().map(numbers).collect()
+/// What stands after a vertex's coordinates: a weight, or a colour.
+fn after_coordinates(
+    word: &str,
+    more: usize,
+    line: usize,
+    source: &mut Source<'_>,
+) -> Result<(), MeshProblem> {
+    let place = format!("line {line}");
+    match (word.parse::<f64>(), more) {
+        (Ok(1.0), 0) => {}
+        (Ok(_), 0) => {
+            let what = "a vertex's weight is left out: it is for free-form curves and surfaces";
+            source.reading.remark(source.file, &place, what);
+        }
+        (Ok(_), 2 | 3) => {
+            source.reading.note(source.file, &place, "a vertex's colour is left out")?;
+        }
+        _ => {
+            let what = "what a vertex has after its coordinates is left out";
+            source.reading.note(source.file, &place, what)?;
+        }
+    }
+    Ok(())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// A number that counts from 1, or back from the last so far, as one that counts from 1; 0 and less where
+/// there is none.
+fn from_one(written: i64, so_far: usize) -> i64 {
+    let base = i64::try_from(so_far).unwrap_or(i64::MAX);
+    if written < 0 { base.saturating_add(written).saturating_add(1) } else { written }
+}
 
-    const FILE: &str = "mtllib a.mtl\nmtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n\
-                        vt 0 0 9\nvt 0.5 1\nvn 0 0 2\nf 1 2 3\nusemtl red glass\n\
-                        f 1/1/1 2/-1/1 3//1 -1\nusemtl blue # late\nf 1 2 4\nusemtl red glass\nf 1 3 4\n";
+/// With one number alone the texture is a line, and v is 0; a third is for textures in space.
+fn texture_coordinates(words: &str) -> Option<[f32; 2]> {
+    let [u] = finite(words)?;
+    let has_v = words.split_ascii_whitespace().nth(1).is_some();
+    if has_v { finite(words) } else { Some([u, 0.0]) }
+}
 
-    #[test]
-    fn all_that_corners_have_is_read() {
-        let file = ObjFile::parse(FILE).expect("it is sound");
-        assert_eq!(file.libraries(), ["a.mtl"]);
-        let materials =
-            [(11, "red glass"), (13, "blue")].map(|(number, text)| ObjLine { number, text });
-        assert_eq!(file.materials(), materials);
-        let triangles = file.triangles().expect("it is sound");
-        let of: Vec<Option<usize>> = triangles.iter().map(|triangle| triangle.material).collect();
-        assert_eq!(of, [None, Some(0), Some(0), Some(1), Some(0)]);
-        let [a, b, c] = triangles[1].corners;
-        assert_eq!((a.position, c.position), ([0.0; 3], [1.0, 1.0, 0.0]));
-        assert_eq!((a.coordinates, b.coordinates), (Some([0.0, 0.0]), Some([0.5, 1.0])));
-        assert_eq!((c.coordinates, c.normal), (None, Some([0.0, 0.0, 2.0])));
-        // The fan goes on from the first corner.
-        assert_eq!(triangles[2].corners[..2], [a, c]);
-        assert_eq!(triangles[2].corners[2].position, [0.0, 1.0, 0.0]);
+/// The first numbers, where there are so many and they are finite.
+fn finite<const N: usize>(words: &str) -> Option<[f32; N]> {
+    let mut words = words.split_ascii_whitespace();
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        *number = words.next()?.parse().ok().filter(|x: &f32| x.is_finite())?;
     }
-
-    #[test]
-    fn what_is_wrong_is_told_with_its_line() {
-        for (from, to, expected) in [
-            ("vt 0.5 1", "vt 0.5", "line 8: vt: `0.5` is not 2 finite numbers; "),
-            ("vn 0 0 2", "vn 0 inf 2", "line 9: vn: `0 inf 2` is not 3 finite numbers; "),
-            ("2/-1/1", "2/-3/1", "line 12: vt -3 is not there, the file has 2; "),
-            ("2/-1/1", "2/0/1", "line 12: vt 0 is not there, the file has 2; "),
-            ("2/-1/1", "2/x/1", "line 12: texture coordinates `x` is not an index; "),
-            ("3//1", "3//2", "line 12: vn 2 is not there, the file has 1; "),
-            ("f 1 2 4", "f 1 2", "face 2 (line 14) has 2 corners; "),
-            ("f 1 2 4", "f 1 2 5", "face 2 (line 14): index 5 is out of range, "),
-            ("v 1 1 0", "v 1 nan 0", "vertex 2 (line 5): y is NaN; "),
-        ] {
-            let text = FILE.replacen(from, to, 1);
-            assert!(text != FILE, "{from}");
-            let file = ObjFile::parse(&text).expect("it is seen later");
-            let problem = file.triangles().expect_err(to).to_string();
-            assert!(problem.starts_with(expected), "{problem}");
-        }
-        let empty = ObjFile::parse("v 1 2 3\n").expect("it is sound");
-        assert!(matches!(empty.triangles(), Err(MeshProblem::Empty)));
-    }
+    Some(numbers)
 }

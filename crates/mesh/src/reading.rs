@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::fs::File;
-use std::io::{self, Read as _};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 /// How files are read.
@@ -75,6 +75,12 @@ pub enum ReadProblem {
         /// The limit.
         limit: u64,
     },
+    /// It is read as text, and is not.
+    #[error("line {line}: is no text; save the file as UTF-8")]
+    NotText {
+        /// The first line that is none.
+        line: usize,
+    },
     /// The file departs from the standard of its format, and the reading is strict.
     #[error("{place}: {what}, which the format's standard does not allow; leave out --strict")]
     NotStandard {
@@ -116,10 +122,17 @@ impl Reading {
         if self.options.sandbox {
             self.keep_inside(path)?;
         }
+        self.stream(File::open(path).map_err(ReadProblem::Unreadable)?)
+    }
+
+    /// All that comes from a reader, such as standard input.
+    ///
+    /// # Errors
+    /// When it cannot be read, or is larger than the memory that is left.
+    pub fn stream(&mut self, reader: impl Read) -> Result<Vec<u8>, ReadProblem> {
         let left = self.options.max_memory.saturating_sub(self.used);
         let mut bytes = Vec::new();
-        let file = File::open(path).map_err(ReadProblem::Unreadable)?;
-        let read = file.take(left.saturating_add(1)).read_to_end(&mut bytes);
+        let read = reader.take(left.saturating_add(1)).read_to_end(&mut bytes);
         self.claim(read.map_err(ReadProblem::Unreadable)? as u64)?;
         Ok(bytes)
     }
@@ -141,8 +154,32 @@ impl Reading {
     /// When it is more than is left.
     pub fn claim(&mut self, bytes: u64) -> Result<(), ReadProblem> {
         self.used = self.used.saturating_add(bytes);
+        self.afford(0)
+    }
+
+    /// Checks that so much memory could be taken for a while; it is not counted.
+    ///
+    /// # Errors
+    /// When it is more than is left.
+    pub fn afford(&self, bytes: u64) -> Result<(), ReadProblem> {
         let limit = self.options.max_memory;
-        if self.used > limit { Err(ReadProblem::TooLarge { limit }) } else { Ok(()) }
+        if self.used.saturating_add(bytes) > limit {
+            Err(ReadProblem::TooLarge { limit })
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Passes over a departure from the format's standard by which nothing is lost.
+    ///
+    /// # Errors
+    /// When the reading is strict.
+    pub fn tolerate(&self, place: impl fmt::Display, what: &str) -> Result<(), ReadProblem> {
+        if self.options.strict {
+            let (place, what) = (place.to_string(), what.to_owned());
+            return Err(ReadProblem::NotStandard { place, what });
+        }
+        Ok(())
     }
 
     /// Notes a departure from the format's standard that `what` describes, with what it means for the
@@ -151,12 +188,7 @@ impl Reading {
     /// # Errors
     /// When the reading is strict.
     pub fn note(&mut self, file: &str, place: &str, what: &str) -> Result<(), ReadProblem> {
-        if self.options.strict {
-            return Err(ReadProblem::NotStandard {
-                place: place.to_owned(),
-                what: what.to_owned(),
-            });
-        }
+        self.tolerate(place, what)?;
         self.remark(file, place, what);
         Ok(())
     }

@@ -222,12 +222,7 @@ fn around(normal: Vec3) -> Vec2 {
 
 /// The axes of coordinates on a plane, in the world's units; on a floor they are x and z.
 pub(crate) fn axes(plane: &Plane) -> [Vec3; 2] {
-    let right = if plane.normal.y.abs() > 0.9 {
-        Vec3::X.reject_from_normalized(plane.normal).normalize()
-    } else {
-        Vec3::Y.cross(plane.normal).normalize()
-    };
-    [right, right.cross(plane.normal)]
+    plane.axes()
 }
 
 /// Light that comes back from a mirror, given the ray's direction and the normal towards its origin.

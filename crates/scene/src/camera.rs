@@ -1,6 +1,6 @@
 //! From where a scene is seen.
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 /// A camera.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,26 +55,35 @@ impl Lens {
     }
 }
 
+/// A vector of unit length; `None` where it has no direction. Of vectors that differ by a power of two
+/// it is the same, however long they are.
+pub(crate) fn unit(vector: Vec3) -> Option<Vec3> {
+    (vector / power_of_two(vector)).try_normalize()
+}
+
+/// A vector's length, as exact wherever it is in the range of f32.
+pub(crate) fn length(vector: Vec3) -> f32 {
+    let power = power_of_two(vector);
+    (vector / power).length() * power
+}
+
+/// The power of two that the largest part of a vector is 1 to 2 times; 1 where there is none.
+pub(crate) fn power_of_two(vector: Vec3) -> f32 {
+    let power = f32::from_bits(vector.abs().max_element().to_bits() & 0x7f80_0000);
+    if power > 0.0 && power.is_finite() { power } else { 1.0 }
+}
+
 impl Camera {
     /// A camera at `eye` that looks at a point, with `up` upwards in the picture; `None` where they give
     /// no direction.
     pub fn looking(eye: Vec3, at: Vec3, up: Vec3, lens: Lens) -> Option<Self> {
-        let forward = (at - eye).try_normalize()?;
-        let right = forward.cross(up).try_normalize()?;
-        Some(Self { name: String::new(), eye, right, up: right.cross(forward), forward, lens })
+        Self::towards(eye, unit(at - eye)?, up, lens)
     }
 
-    /// A camera in its own space (glTF: it looks along −z, y is up), carried to the world; `None` where
-    /// the transform leaves no direction.
-    pub fn transformed(to_world: &Affine3A, lens: Lens) -> Option<Self> {
-        let eye = Vec3::from(to_world.translation);
-        let forward = to_world.transform_vector3(Vec3::NEG_Z);
-        Self::looking(
-            eye,
-            eye + forward.try_normalize()?,
-            to_world.transform_vector3(Vec3::Y),
-            lens,
-        )
+    /// The same with the direction in which it looks, of unit length.
+    pub fn towards(eye: Vec3, forward: Vec3, up: Vec3, lens: Lens) -> Option<Self> {
+        let right = unit(forward.cross(up))?;
+        Some(Self { name: String::new(), eye, right, up: right.cross(forward), forward, lens })
     }
 
     /// The ray through a point of the picture: its origin, and its direction, not of unit length.
@@ -138,6 +147,20 @@ mod tests {
         for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.6, 0.8)] {
             assert!((meet(x, y) - sharp).length() < 1e-5);
         }
+    }
+
+    #[test]
+    fn a_power_of_two_changes_no_direction() {
+        let (vector, of_one) = (Vec3::new(0.3, -0.7, 0.1), unit(Vec3::new(0.3, -0.7, 0.1)));
+        assert_eq!(of_one, vector.try_normalize());
+        for exponent in [-120, -60, 40, 120] {
+            let scale = 2.0_f32.powi(exponent);
+            assert_eq!(
+                (unit(vector * scale), length(vector * scale)),
+                (of_one, length(vector) * scale)
+            );
+        }
+        assert_eq!(unit(Vec3::ZERO), None);
     }
 
     #[test]

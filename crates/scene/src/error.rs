@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use trisect_mesh::{MeshError, MeshProblem, ReadProblem};
+use trisect_mesh::{MeshError, MeshProblem, ReadProblem, cut, quoted};
 
 /// What is wrong with a scene, and in which file.
 #[derive(Debug, thiserror::Error)]
@@ -66,9 +66,10 @@ impl SceneProblem {
     ) -> Self {
         Self::Faulty {
             place: place.into(),
-            field: field.into(),
-            what: what.into(),
-            mend: mend.into(),
+            field: quoted(&field.into()),
+            // It may quote the file, and the message of another file within it.
+            what: cut(&what.into(), 300),
+            mend: cut(&mend.into(), 200),
         }
     }
 

@@ -3,6 +3,7 @@
 
 mod camera;
 mod chair;
+mod draft;
 mod error;
 mod gltf_scene;
 mod load;
@@ -15,7 +16,7 @@ mod toml_file;
 
 pub use camera::{Camera, Lens};
 pub use error::{SceneError, SceneProblem, UnknownCamera};
-pub use glam::{Affine3A, Vec2, Vec3};
+pub use glam::{Affine3A, DVec3, Vec2, Vec3};
 pub use load::SHIPPED;
 pub use mesh::Mesh;
 pub use model::{Color, Instance, Light, Material, Plane, Scene, Sphere, luminance};

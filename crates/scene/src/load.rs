@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use glam::{Affine3A, Vec3};
-use trisect_mesh::{MeshFormat, ReadOptions, Reading};
+use glam::{DVec3, Vec3};
+use trisect_mesh::{MeshFormat, ReadOptions, ReadProblem, Reading};
 
-use crate::camera::{Camera, Lens};
+use crate::draft::Draft;
 use crate::error::{SceneError, SceneProblem};
 use crate::mesh::Mesh;
-use crate::model::{Instance, Light, Material, Scene};
+use crate::model::{Material, Scene};
 use crate::{gltf_scene, obj, toml_file};
 
 /// Pixels of a picture where a file says nothing of it.
@@ -56,28 +56,32 @@ impl Scene {
     fn read(path: &Path, reading: &mut Reading) -> Result<Self, SceneError> {
         let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
         if ending.eq_ignore_ascii_case("toml") {
-            let text = read_text(path, reading)?;
+            let mut text = read_text(path, reading)?;
+            if text.contains('\r') && !text.contains('\n') {
+                let fail =
+                    |problem| SceneProblem::Unread(problem).of_file(path.display().to_string());
+                reading.tolerate("file", "line ends of CR alone").map_err(fail)?;
+                text = text.replace('\r', "\n");
+            }
             return toml_file::parse(&path.display().to_string(), &text, path.parent(), reading);
         }
-        let mut scene = match MeshFormat::of(path) {
-            Some(MeshFormat::Gltf) => gltf_scene::load(path, reading)?,
+        let mut draft = Draft::new();
+        match MeshFormat::of(path) {
+            Some(MeshFormat::Gltf) => draft = gltf_scene::load(path, reading)?,
             Some(MeshFormat::Obj) => {
-                let mut scene = Self::empty();
-                let mesh = obj::load(path, &mut scene, reading)?;
-                scene.put(mesh);
-                scene
+                let mesh = obj::load(path, &mut draft.scene, reading)?;
+                draft.put_mesh(mesh);
+                draft.settle();
             }
             Some(MeshFormat::Ply | MeshFormat::Stl) => {
-                let mut scene = Self::empty();
                 let mesh = load_triangles(path, reading)?;
-                scene.materials.push(Material::default());
-                scene.put(Mesh { materials: vec![0; mesh.triangles.len()], ..mesh });
-                scene
+                draft.scene.materials.push(Material::default());
+                draft.put_mesh(Mesh { materials: vec![0; mesh.triangles.len()], ..mesh });
+                draft.settle();
             }
             None => return Err(SceneProblem::UnknownType.of_file(path.display().to_string())),
-        };
-        scene.complete();
-        Ok(scene)
+        }
+        draft.complete().map_err(|problem| problem.of_file(path.display().to_string()))
     }
 
     /// Reads a scene in this crate's format from memory; `name` stands for the file in messages, and
@@ -107,42 +111,9 @@ impl Scene {
             instances: Vec::new(),
             spheres: Vec::new(),
             planes: Vec::new(),
+            origin: DVec3::ZERO,
+            rounding: 0.0,
             notes: Vec::new(),
-        }
-    }
-
-    /// Adds a mesh as it is.
-    fn put(&mut self, mesh: Mesh) {
-        let smooth = !mesh.normals.is_empty();
-        self.instances.push(Instance {
-            mesh: self.meshes.len(),
-            to_world: Affine3A::IDENTITY,
-            material: None,
-            smooth,
-        });
-        self.meshes.push(mesh);
-    }
-
-    /// Adds a camera and light where there are none.
-    fn complete(&mut self) {
-        let [low, high] = self.bounds().unwrap_or([Vec3::NEG_ONE, Vec3::ONE]);
-        let (middle, radius) = ((low + high) * 0.5, (high - low).length().max(1e-20) * 0.5);
-        if self.cameras.is_empty() {
-            let field_of_view = 40.0_f32.to_radians();
-            let distance = radius / (field_of_view * 0.5).sin();
-            let eye = middle + Vec3::new(0.45, 0.35, 1.0).normalize() * distance;
-            let lens = Lens::Pinhole { field_of_view };
-            self.cameras.extend(Camera::looking(eye, middle, Vec3::Y, lens));
-        }
-        if self.lights.is_empty()
-            && let Some(camera) = self.cameras.first()
-        {
-            let direction = camera.forward - camera.up * 0.6 + camera.right * 0.4;
-            let irradiance = Vec3::splat(2.4);
-            self.lights.push(Light::Directional { direction: direction.normalize(), irradiance });
-            self.ambient = Vec3::splat(0.15);
-            self.background = Vec3::new(0.75, 0.80, 0.86);
-            self.zenith = Vec3::new(0.30, 0.45, 0.70);
         }
     }
 
@@ -167,15 +138,13 @@ impl Scene {
 }
 
 pub(crate) fn read_text(path: &Path, reading: &mut Reading) -> Result<String, SceneError> {
-    let fail = |problem: SceneProblem| problem.of_file(path.display().to_string());
-    let bytes = reading.file(path).map_err(|problem| fail(problem.into()))?;
-    String::from_utf8(bytes).map_err(|_| {
-        fail(SceneProblem::faulty("file", "encoding", "is not text (UTF-8)", "save it as UTF-8"))
-    })
+    let fail =
+        |problem: ReadProblem| SceneProblem::from(problem).of_file(path.display().to_string());
+    reading.text(path).map_err(fail)
 }
 
 /// Triangles of a file of any format, with smooth normals and without materials.
 pub(crate) fn load_triangles(path: &Path, reading: &mut Reading) -> Result<Mesh, SceneError> {
     let mesh = trisect_mesh::Mesh::read(path, reading)?;
-    Ok(Mesh::of_triangles(mesh.name, mesh.triangles.to_vec()))
+    Ok(Mesh::near(&*mesh.name, &mesh.triangles_f64()).with_smooth_normals())
 }

@@ -2,8 +2,11 @@
 
 use std::collections::HashMap;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use trisect_core::Triangle;
+
+use crate::camera::power_of_two;
+use crate::draft::near_origin;
 
 /// Triangles with normals, coordinates for textures, and materials.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -18,9 +21,36 @@ pub struct Mesh {
     pub coordinates: Vec<[Vec2; 3]>,
     /// Each triangle's material; empty where an instance says it.
     pub materials: Vec<usize>,
+    /// What was subtracted from the positions that its file has; instances of it allow for that.
+    pub origin: DVec3,
+    /// By how much the corner that moves most moved when it was rounded to f32.
+    pub rounding: f64,
 }
 
 impl Mesh {
+    /// A mesh of triangles alone, moved to near 0 and rounded to f32.
+    pub(crate) fn near(name: impl Into<String>, exact: &[Triangle<f64>]) -> Self {
+        let corners = exact.iter().flat_map(|triangle| triangle.corners());
+        let bounds = corners.fold(None, |bounds, corner| {
+            let corner = DVec3::from(corner.to_array());
+            let [low, high] = bounds.unwrap_or([corner; 2]);
+            Some([low.min(corner), high.max(corner)])
+        });
+        let origin = bounds.map_or(DVec3::ZERO, near_origin);
+        let mut rounding = 0.0_f64;
+        let triangles = exact.iter().map(|triangle| {
+            let [a, b, c] = triangle.corners().map(|corner| {
+                let exact = DVec3::from(corner.to_array()) - origin;
+                let near = exact.as_vec3();
+                rounding = rounding.max(near.as_dvec3().distance(exact));
+                near
+            });
+            Triangle::new(a, b, c)
+        });
+        let triangles = triangles.collect();
+        Self { name: name.into(), triangles, origin, rounding, ..Self::default() }
+    }
+
     /// A mesh of triangles alone. Normals are those of [`with_smooth_normals`](Mesh::with_smooth_normals).
     pub fn of_triangles(name: impl Into<String>, triangles: Vec<Triangle<f32>>) -> Self {
         Self { name: name.into(), triangles, ..Self::default() }.with_smooth_normals()
@@ -31,22 +61,43 @@ impl Mesh {
     #[must_use]
     pub fn with_smooth_normals(mut self) -> Self {
         let key = |corner: trisect_core::Vec3<f32>| corner.map(|x| (x + 0.0).to_bits()).to_array();
+        let own = self.areas();
         let mut sums: HashMap<[u32; 3], Vec3> = HashMap::new();
-        for triangle in &self.triangles {
-            let normal = Vec3::from(triangle.normal());
+        for (triangle, normal) in self.triangles.iter().zip(&own) {
             for corner in triangle.corners() {
-                *sums.entry(key(corner)).or_default() += normal;
+                *sums.entry(key(corner)).or_default() += *normal;
             }
         }
         self.normals = self
             .triangles
             .iter()
-            .map(|triangle| {
-                let own = Vec3::from(triangle.normal()).normalize_or_zero();
+            .zip(own)
+            .map(|(triangle, own)| {
+                let own = own.normalize_or_zero();
                 triangle.corners().map(|corner| sums[&key(corner)].normalize_or(own))
             })
             .collect();
         self
+    }
+
+    /// The triangles' own normals, of unit length; 0 where a triangle has no area.
+    pub(crate) fn own_normals(&self) -> impl Iterator<Item = Vec3> + use<> {
+        self.areas().into_iter().map(Vec3::normalize_or_zero)
+    }
+
+    /// The triangles' normals, as long as their areas, in units in which the mesh is about as large as 1: in
+    /// the file's own they may be out of range.
+    fn areas(&self) -> Vec<Vec3> {
+        let corners =
+            || self.triangles.iter().flat_map(|triangle| triangle.corners().map(Vec3::from));
+        let [low, high] =
+            [Vec3::min, Vec3::max].map(|pick| corners().reduce(pick).unwrap_or_default());
+        let unit = power_of_two(high * 0.5 - low * 0.5);
+        let scaled = |triangle: &Triangle<f32>| {
+            let [a, b, c] = triangle.corners().map(|corner| Vec3::from(corner) / unit);
+            Vec3::from(Triangle::new(a, b, c).normal())
+        };
+        self.triangles.iter().map(scaled).collect()
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a scene is made of.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use trisect_mesh::Note;
 
 use crate::camera::Camera;
@@ -46,6 +46,12 @@ pub struct Scene {
     pub spheres: Vec<Sphere>,
     /// Planes without end.
     pub planes: Vec<Plane>,
+    /// What was subtracted from the positions that the files have: f32 is coarse far from 0. It is 0 where
+    /// the scene is no further from 0 than some times its size.
+    pub origin: DVec3,
+    /// By how much the corner that moves most moves when it is rounded to f32, relative to the scene's
+    /// size; 0 where f32 holds every position.
+    pub rounding: f64,
     /// What the readers of its files passed over.
     pub notes: Vec<Note>,
 }
@@ -155,7 +161,7 @@ pub enum Light {
 }
 
 /// A mesh in its place.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Instance {
     /// The mesh.
     pub mesh: usize,
@@ -187,4 +193,16 @@ pub struct Plane {
     pub normal: Vec3,
     /// Its material.
     pub material: usize,
+}
+
+impl Plane {
+    /// The axes of coordinates on it, from its point, in the world's units; on a floor they are x and z.
+    pub fn axes(&self) -> [Vec3; 2] {
+        let right = if self.normal.y.abs() > 0.9 {
+            Vec3::X.reject_from_normalized(self.normal).normalize()
+        } else {
+            Vec3::Y.cross(self.normal).normalize()
+        };
+        [right, right.cross(self.normal)]
+    }
 }

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
-use glam::{Affine3A, EulerRot, Quat, Vec2, Vec3};
+use glam::{Affine3A, DAffine3, DVec3, EulerRot, Quat, Vec2, Vec3};
 use serde::Deserialize;
 use toml::Spanned;
 use trisect_mesh::Reading;
 
 use crate::camera::{Camera, Lens};
+use crate::draft::Draft;
 use crate::error::{SceneError, SceneProblem, line_of};
 use crate::load::{SIZE, load_triangles};
 use crate::mesh::Mesh;
@@ -19,6 +20,8 @@ use crate::texture::{Pixels, Texture};
 
 type Number = Spanned<f32>;
 type Triple = Spanned<[f32; 3]>;
+/// A position. It is rounded once the scene is near 0.
+type Position = Spanned<[f64; 3]>;
 type Name = Spanned<String>;
 
 #[derive(Deserialize)]
@@ -59,8 +62,8 @@ struct CameraTable {
     #[serde(default)]
     name: String,
     kind: Name,
-    eye: Triple,
-    look_at: Triple,
+    eye: Position,
+    look_at: Position,
     up: Option<Triple>,
     field_of_view: Option<Number>,
     height: Option<Number>,
@@ -72,7 +75,7 @@ struct CameraTable {
 #[serde(deny_unknown_fields)]
 struct LightTable {
     kind: Name,
-    position: Option<Triple>,
+    position: Option<Position>,
     direction: Option<Triple>,
     intensity: Option<Triple>,
     irradiance: Option<Triple>,
@@ -113,7 +116,7 @@ struct MeshTable {
 struct InstanceTable {
     mesh: Name,
     material: Option<Name>,
-    translate: Option<Triple>,
+    translate: Option<Position>,
     rotate: Option<Triple>,
     scale: Option<Triple>,
     normals: Option<Name>,
@@ -122,7 +125,7 @@ struct InstanceTable {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SphereTable {
-    center: Triple,
+    center: Position,
     radius: Number,
     material: Name,
 }
@@ -130,7 +133,7 @@ struct SphereTable {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct PlaneTable {
-    point: Triple,
+    point: Position,
     normal: Triple,
     material: Name,
 }
@@ -153,19 +156,14 @@ pub(crate) fn parse(
     let reader = Reader { file, text };
     let tables: File = toml::from_str(text).map_err(|error| reader.syntax(&error))?;
     let folder = folder.unwrap_or(Path::new("."));
-    let mut scene = Scene::empty();
+    let mut draft = Draft::new();
+    let scene = &mut draft.scene;
     if let Some(picture) = &tables.picture {
-        reader.picture(picture, &mut scene)?;
+        reader.picture(picture, scene)?;
     }
-    for camera in &tables.camera {
-        scene.cameras.push(reader.camera(camera)?);
-    }
-    if scene.cameras.is_empty() {
+    if tables.camera.is_empty() {
         let mend = "add a table [[camera]]";
         return Err(reader.fault(&(0..0), "camera", "there is none", mend));
-    }
-    for light in &tables.light {
-        scene.lights.push(reader.light(light)?);
     }
     let mut textures = Names::new();
     for (name, texture) in &tables.texture {
@@ -180,28 +178,40 @@ pub(crate) fn parse(
     let mut meshes = Names::new();
     for (name, mesh) in &tables.mesh {
         meshes.insert(name, scene.meshes.len());
-        let mesh = reader.mesh(mesh, folder, &mut scene, reading)?;
+        let mesh = reader.mesh(mesh, folder, scene, reading)?;
         scene.meshes.push(Mesh { name: name.clone(), ..mesh });
     }
     for instance in &tables.instance {
-        let instance = reader.instance(instance, &scene, &meshes, &materials)?;
-        scene.instances.push(instance);
+        let (instance, place) = reader.instance(instance, &draft.scene, &meshes, &materials)?;
+        draft.put(instance, place);
     }
     for sphere in &tables.sphere {
-        scene.spheres.push(Sphere {
-            center: reader.finite(&sphere.center, "center")?,
-            radius: reader.positive(&sphere.radius, "radius")?,
-            material: reader.named(&sphere.material, "material", &materials)?,
-        });
+        let center = reader.position(&sphere.center, "center")?;
+        let radius = reader.positive(&sphere.radius, "radius")?;
+        let material = reader.named(&sphere.material, "material", &materials)?;
+        draft.put_sphere(Sphere { center: Vec3::ZERO, radius, material }, center);
     }
+    let eyes = tables.camera.iter().map(|camera| &camera.get_ref().eye);
+    let lamps = tables.light.iter().filter_map(|light| light.get_ref().position.as_ref());
+    for position in eyes.chain(lamps) {
+        draft.put_viewpoint(DVec3::from(*position.get_ref()));
+    }
+    draft.settle();
     for plane in &tables.plane {
-        scene.planes.push(Plane {
-            point: reader.finite(&plane.point, "point")?,
-            normal: reader.direction(&plane.normal, "normal")?,
-            material: reader.named(&plane.material, "material", &materials)?,
-        });
+        let point = reader.position(&plane.point, "point")?;
+        let normal = reader.direction(&plane.normal, "normal")?;
+        let material = reader.named(&plane.material, "material", &materials)?;
+        draft.put_plane(Plane { point: Vec3::ZERO, normal, material }, point);
     }
-    Ok(scene)
+    for camera in &tables.camera {
+        let camera = reader.camera(camera, &draft)?;
+        draft.scene.cameras.push(camera);
+    }
+    for light in &tables.light {
+        let light = reader.light(light, &draft)?;
+        draft.scene.lights.push(light);
+    }
+    Ok(draft.scene)
 }
 
 impl Reader<'_> {
@@ -229,6 +239,15 @@ impl Reader<'_> {
         let vector = Vec3::from(*value.get_ref());
         if vector.is_finite() {
             return Ok(vector);
+        }
+        Err(self.fault(&value.span(), field, "is not finite", "write three finite numbers"))
+    }
+
+    /// A position that is finite in f32.
+    fn position(&self, value: &Position, field: &str) -> Result<DVec3, SceneError> {
+        let position = DVec3::from(*value.get_ref());
+        if position.as_vec3().is_finite() {
+            return Ok(position);
         }
         Err(self.fault(&value.span(), field, "is not finite", "write three finite numbers"))
     }
@@ -331,7 +350,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn camera(&self, table: &Spanned<CameraTable>) -> Result<Camera, SceneError> {
+    fn camera(&self, table: &Spanned<CameraTable>, draft: &Draft) -> Result<Camera, SceneError> {
         let CameraTable { name, kind, eye, look_at, up, .. } = table.get_ref();
         let CameraTable { field_of_view, height, aperture, focus, .. } = table.get_ref();
         let angle = || -> Result<f32, SceneError> {
@@ -357,8 +376,8 @@ impl Reader<'_> {
                 return Err(self.unknown_kind(kind, "kind", known));
             }
         };
-        let eye = self.finite(eye, "eye")?;
-        let at = self.finite(look_at, "look_at")?;
+        let eye = draft.local(self.position(eye, "eye")?);
+        let at = draft.local(self.position(look_at, "look_at")?);
         let vertical = match up {
             Some(up) => self.direction(up, "up")?,
             None => Vec3::Y,
@@ -371,10 +390,13 @@ impl Reader<'_> {
         Ok(camera)
     }
 
-    fn light(&self, table: &Spanned<LightTable>) -> Result<Light, SceneError> {
+    fn light(&self, table: &Spanned<LightTable>, draft: &Draft) -> Result<Light, SceneError> {
         let LightTable { kind, position, direction, intensity, irradiance, inner, outer } =
             table.get_ref();
-        let position = || self.finite(self.asked(position.as_ref(), kind, "position")?, "position");
+        let position = || {
+            let position = self.asked(position.as_ref(), kind, "position")?;
+            self.position(position, "position").map(|position| draft.local(position))
+        };
         let direction =
             || self.direction(self.asked(direction.as_ref(), kind, "direction")?, "direction");
         let intensity =
@@ -523,7 +545,7 @@ impl Reader<'_> {
         scene: &Scene,
         meshes: &Names<'_>,
         materials: &Names<'_>,
-    ) -> Result<Instance, SceneError> {
+    ) -> Result<(Instance, DAffine3), SceneError> {
         let InstanceTable { mesh, material, translate, rotate, scale, normals } = table.get_ref();
         let number = self.named(mesh, "mesh", meshes)?;
         let material = match material {
@@ -545,7 +567,10 @@ impl Reader<'_> {
         }
         let turn = part(rotate, "rotate", Vec3::ZERO)?.map(f32::to_radians);
         let turn = Quat::from_euler(EulerRot::XYZEx, turn.x, turn.y, turn.z);
-        let place = part(translate, "translate", Vec3::ZERO)?;
+        let place = match translate {
+            Some(translate) => self.position(translate, "translate")?,
+            None => DVec3::ZERO,
+        };
         let smooth = match normals {
             None => true,
             Some(normals) => match normals.get_ref().as_str() {
@@ -554,11 +579,9 @@ impl Reader<'_> {
                 _ => return Err(self.unknown_kind(normals, "normals", "smooth or flat")),
             },
         };
-        Ok(Instance {
-            mesh: number,
-            to_world: Affine3A::from_scale_rotation_translation(size, turn, place),
-            material,
-            smooth: smooth && !scene.meshes[number].normals.is_empty(),
-        })
+        let linear = Affine3A::from_scale_rotation_translation(size, turn, Vec3::ZERO);
+        let to_world = DAffine3 { translation: place, ..linear.as_daffine3() };
+        let smooth = smooth && !scene.meshes[number].normals.is_empty();
+        Ok((Instance { mesh: number, material, smooth, ..Instance::default() }, to_world))
     }
 }

@@ -1,18 +1,20 @@
 //! Rays from and to files: CSV with a header, and a binary format of eight f32 per ray.
 //!
 //! CSV: the header `ox,oy,oz,dx,dy,dz`, optionally followed by `tmin`, `tmax` or both in this
-//! order; one ray a line. Left out, `tmin` is 0 and `tmax` infinite (`inf`). Binary (`.rays`),
+//! order; one ray a line, and comments on lines that begin with `#`. Left out, `tmin` is 0 and `tmax`
+//! infinite (`inf`). Lines end with LF, CR LF or CR; a byte order mark is passed over. Binary (`.rays`),
 //! all little-endian: the number of rays as u32, then for each ray
 //! `ox oy oz tmin dx dy dz tmax` as f32.
 //!
 //! Origins and directions must be finite in f32; a direction of zero is accepted (it never
 //! hits). `tmin` and `tmax` may be infinite. No file may hold NaN. No rays at all are accepted.
 
+use std::borrow::Cow;
 use std::io::{Read, Write};
 use std::path::Path;
 
 use trisect_core::{Ray, Vec3};
-use trisect_mesh::{ReadOptions, ReadProblem, Reading};
+use trisect_mesh::{ReadOptions, ReadProblem, Reading, cut, quoted};
 
 /// Rays in both precisions, each rounded once from what the file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,16 +40,16 @@ pub struct RaysError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RaysProblem {
-    /// A stream could not be read.
-    #[error("cannot be read ({0}); check the path")]
-    Unreadable(#[from] std::io::Error),
-    /// The file is not one that is read.
-    #[error(transparent)]
-    Read(#[from] ReadProblem),
+    /// The file, or something in it, is not read.
+    #[error("{0}")]
+    Unread(#[from] ReadProblem),
+    /// The file could not be written.
+    #[error("cannot be written ({0}); check the path")]
+    Unwritable(#[from] std::io::Error),
     /// The ending of the file's name is not known.
     #[error("unknown file type; known are .csv and .rays")]
     UnknownType,
-    /// A line is not CSV, or not text.
+    /// A line is not CSV.
     #[error("line {line}: {what}; write one ray of comma-separated numbers a line")]
     Malformed {
         /// The line, from 1.
@@ -119,36 +121,28 @@ pub fn read_rays(path: impl AsRef<Path>) -> Result<RaysFile, RaysError> {
     read_rays_with(path, &ReadOptions::default())
 }
 
-/// The same, with a limit on memory; a file of rays names no others, and its formats have no standard.
+/// The same, read as the options say.
 ///
 /// # Errors
-/// As [`read_rays`], and when the file and its rays would take more than
-/// [`max_memory`](ReadOptions::max_memory) together.
+/// As [`read_rays`], and for what the options refuse.
 pub fn read_rays_with(
     path: impl AsRef<Path>,
     options: &ReadOptions,
 ) -> Result<RaysFile, RaysError> {
     let path = path.as_ref();
-    let name = path.display().to_string();
+    let fail = |problem| RaysError { file: path.display().to_string(), problem };
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default();
-    let read = || {
-        let mut reading = Reading::new(options);
-        if ending.eq_ignore_ascii_case("csv") {
-            let text = reading.file(path)?;
-            csv_in_memory(&text, &mut reading)
-        } else if ending.eq_ignore_ascii_case("rays") {
-            let bytes = reading.file(path)?;
-            // As large again in f32, and twice that in f64.
-            reading.claim(3 * bytes.len() as u64)?;
-            parse_binary(&bytes)
-        } else {
-            Err(RaysProblem::UnknownType)
-        }
+    let parse = match ending.to_ascii_lowercase().as_str() {
+        "csv" => parse_csv,
+        "rays" => parse_binary,
+        _ => return Err(fail(RaysProblem::UnknownType)),
     };
-    read().map_err(|problem| RaysError { file: name, problem })
+    let mut reading = Reading::new(options);
+    let bytes = reading.file(path).map_err(|problem| fail(problem.into()))?;
+    parse(&bytes, &mut reading).map_err(fail)
 }
 
-/// Reads rays as CSV. `name` stands for the file in messages.
+/// Reads rays as CSV, from standard input too. `name` stands for the file in messages.
 ///
 /// # Errors
 /// As [`read_rays`].
@@ -156,7 +150,7 @@ pub fn read_rays_csv(name: &str, reader: impl Read) -> Result<RaysFile, RaysErro
     read_rays_csv_with(name, reader, &ReadOptions::default())
 }
 
-/// The same from whatever has no name or no end, as standard input, with a limit on memory.
+/// The same, read as the options say.
 ///
 /// # Errors
 /// As [`read_rays_with`].
@@ -165,36 +159,33 @@ pub fn read_rays_csv_with(
     reader: impl Read,
     options: &ReadOptions,
 ) -> Result<RaysFile, RaysError> {
-    let read = || {
-        let mut reading = Reading::new(options);
-        let mut text = Vec::new();
-        reader.take(options.max_memory.saturating_add(1)).read_to_end(&mut text)?;
-        reading.claim(text.len() as u64)?;
-        csv_in_memory(&text, &mut reading)
-    };
-    read().map_err(|problem| RaysError { file: name.to_owned(), problem })
+    let mut reading = Reading::new(options);
+    let bytes = reading.stream(reader).map_err(RaysProblem::from);
+    bytes
+        .and_then(|bytes| parse_csv(&bytes, &mut reading))
+        .map_err(|problem| RaysError { file: name.to_owned(), problem })
 }
 
-fn csv_in_memory(text: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProblem> {
-    const RAY: usize = size_of::<Ray<f64>>() + size_of::<Ray<f32>>();
-    // A carriage return alone ends a line as well.
-    let ends = text.iter().filter(|byte| matches!(byte, b'\n' | b'\r')).count();
-    reading.claim((ends * RAY) as u64)?;
-    parse_csv(text)
-}
+/// Bytes of a ray in memory, in both precisions.
+const OF_RAY: u64 = (size_of::<Ray<f64>>() + size_of::<Ray<f32>>()) as u64;
 
-fn parse_csv(reader: impl Read) -> Result<RaysFile, RaysProblem> {
+fn parse_csv(bytes: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProblem> {
+    let mut text = reading.decode(bytes)?;
+    // The lines that the library counts end with LF.
+    if text.contains('\r') && !text.contains('\n') {
+        text = Cow::Owned(text.replace('\r', "\n"));
+    }
     let mut csv = csv::ReaderBuilder::new()
         .has_headers(false)
         // The lengths are checked here, so that the message can count.
         .flexible(true)
         .trim(csv::Trim::All)
-        .from_reader(reader);
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes());
     let mut record = csv::StringRecord::new();
     let mut file = RaysFile::default();
     let header = if csv.read_record(&mut record).map_err(csv_problem)? {
-        // Spreadsheets write a byte order mark.
-        record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect()
+        record.iter().map(str::to_owned).collect()
     } else {
         Vec::new()
     };
@@ -202,7 +193,7 @@ fn parse_csv(reader: impl Read) -> Result<RaysFile, RaysProblem> {
         header.iter().filter_map(|name| COLUMNS.iter().position(|column| column == name)).collect();
     let ordered = slots.len() == header.len() && slots.windows(2).all(|pair| pair[0] < pair[1]);
     if !ordered || !(0..6).all(|column| slots.contains(&column)) {
-        return Err(RaysProblem::Header { found: shown(&header.join(",")) });
+        return Err(RaysProblem::Header { found: quoted(&header.join(",")) });
     }
     while csv.read_record(&mut record).map_err(csv_problem)? {
         let line = record.position().map_or(0, csv::Position::line);
@@ -216,43 +207,22 @@ fn parse_csv(reader: impl Read) -> Result<RaysFile, RaysProblem> {
             let place = || format!("line {line}");
             (wide[slot], narrow[slot]) =
                 text.parse().ok().zip(text.parse().ok()).ok_or_else(|| {
-                    value_problem(place(), slot, format!("`{}` is not a number", shown(text)))
+                    value_problem(place(), slot, format!("`{}` is not a number", quoted(text)))
                 })?;
-            check(slot, narrow[slot], place, || format!("`{text}`"))?;
+            check(slot, narrow[slot], place, || format!("`{}`", quoted(text)))?;
         }
+        reading.claim(OF_RAY)?;
         file.rays.push(ray(wide));
         file.rays_f32.push(ray(narrow));
     }
     Ok(file)
 }
 
-/// What a file says, fit for a message of one line: a quoted field may hold line ends, and a file
-/// that is no CSV anything of any length.
-fn shown(text: &str) -> String {
-    const LONGEST: usize = 60;
-    let mut shown = String::new();
-    for (place, c) in text.chars().enumerate() {
-        if place == LONGEST {
-            shown.push('…');
-            break;
-        }
-        if c.is_control() {
-            shown.extend(c.escape_default());
-        } else {
-            shown.push(c);
-        }
-    }
-    shown
-}
-
 fn csv_problem(error: csv::Error) -> RaysProblem {
     let line = error.position().map_or(0, csv::Position::line);
-    let what = error.to_string();
+    let what = cut(&error.to_string(), 200);
     match error.into_kind() {
-        csv::ErrorKind::Io(error) => RaysProblem::Unreadable(error),
-        csv::ErrorKind::Utf8 { .. } => {
-            RaysProblem::Malformed { line, what: "not text (UTF-8)".to_owned() }
-        }
+        csv::ErrorKind::Io(error) => ReadProblem::Unreadable(error).into(),
         _ => RaysProblem::Malformed { line, what },
     }
 }
@@ -263,10 +233,12 @@ fn csv_problem(error: csv::Error) -> RaysProblem {
 /// # Errors
 /// As [`read_rays`].
 pub fn read_rays_binary(name: &str, bytes: &[u8]) -> Result<RaysFile, RaysError> {
-    parse_binary(bytes).map_err(|problem| RaysError { file: name.to_owned(), problem })
+    let mut reading = Reading::new(&ReadOptions::default());
+    parse_binary(bytes, &mut reading)
+        .map_err(|problem| RaysError { file: name.to_owned(), problem })
 }
 
-fn parse_binary(bytes: &[u8]) -> Result<RaysFile, RaysProblem> {
+fn parse_binary(bytes: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProblem> {
     let (rays, body) = bytes
         .split_first_chunk()
         .map_or((0, &[][..]), |(count, body)| (u32::from_le_bytes(*count), body));
@@ -275,6 +247,7 @@ fn parse_binary(bytes: &[u8]) -> Result<RaysFile, RaysProblem> {
     if expected != actual {
         return Err(RaysProblem::Length { rays, expected, actual });
     }
+    reading.claim(OF_RAY * u64::from(rays))?;
     let mut file = RaysFile::default();
     for (number, record) in body.chunks_exact(RECORD).enumerate() {
         let mut values = [0.0; 8];

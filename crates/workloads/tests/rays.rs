@@ -2,8 +2,10 @@
 
 use proptest::prelude::*;
 use trisect_core::Ray;
+use trisect_mesh::ReadOptions;
 use trisect_workloads::{
-    read_rays, read_rays_binary, read_rays_csv, write_rays_binary, write_rays_csv,
+    read_rays, read_rays_binary, read_rays_csv, read_rays_csv_with, read_rays_with,
+    write_rays_binary, write_rays_csv,
 };
 
 #[test]
@@ -74,9 +76,64 @@ fn wrong_csv_says_what_where_and_what_mends_it() {
         assert_eq!(error.to_string(), format!("r.csv: {expected}"));
     }
     let error = read_rays_csv("r.csv", &b"ox,oy,oz,dx,dy,dz\n1,2,\xff,0,0,1\n"[..]);
-    let expected =
-        "r.csv: line 2: not text (UTF-8); write one ray of comma-separated numbers a line";
-    assert_eq!(error.expect_err("not text").to_string(), expected);
+    let expected = "r.csv: line 2, oz: `ÿ` is not a number; write a finite decimal number";
+    assert_eq!(error.expect_err("not a number").to_string(), expected);
+}
+
+#[test]
+fn csv_of_any_line_ends_and_marks_is_the_same() {
+    let strict = ReadOptions { strict: true, ..ReadOptions::default() };
+    let plain = "ox,oy,oz,dx,dy,dz\n1,2,3,0,0,1\n4,5,6,0,1,0\n";
+    let expected = read_rays_csv("-", plain.as_bytes()).expect("sound");
+    let comments = plain.replace("1,2", "# caf\u{e9}, with \"quotes\n1,2");
+    let latin: Vec<u8> = comments.chars().map(|c| u8::try_from(c).expect("Latin-1")).collect();
+    for (bytes, is_standard) in [
+        (plain.replace('\n', "\r\n").into_bytes(), true),
+        (plain.replace('\n', "\r").into_bytes(), true),
+        (plain.trim_end().as_bytes().to_vec(), true),
+        (comments.into_bytes(), true),
+        (format!("\u{feff}{plain}").into_bytes(), false),
+        (latin, false),
+    ] {
+        let read = read_rays_csv("-", bytes.as_slice()).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(read, expected);
+        assert_eq!(read_rays_csv_with("-", bytes.as_slice(), &strict).is_ok(), is_standard);
+    }
+    let error = read_rays_csv("-", "ox,oy,oz,dx,dy,dz\r1,2,3,0,0,1\r1,2,3\r".as_bytes());
+    assert!(error.expect_err("too few").to_string().starts_with("-: line 3: 3 fields"));
+}
+
+#[test]
+fn no_file_takes_more_memory_than_is_allowed() {
+    let options = ReadOptions { max_memory: 1000, ..ReadOptions::default() };
+    // Standard input may have no end.
+    let error = read_rays_csv_with("-", std::io::repeat(b'1'), &options).expect_err("endless");
+    let expected = "-: needs more than the 1000 bytes that --max-memory allows; raise it";
+    assert_eq!(error.to_string(), expected);
+    let csv = format!("ox,oy,oz,dx,dy,dz\n{}", "0,0,0,0,0,1\n".repeat(40));
+    let error = read_rays_csv_with("-", csv.as_bytes(), &options).expect_err("40 rays");
+    assert_eq!(error.to_string(), expected);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("r.rays");
+    write_rays_binary(
+        std::fs::File::create(&path).expect("made"),
+        &[Ray::<f32>::new([0.0; 3], [0.0, 0.0, 1.0]); 20],
+    )
+    .expect("written");
+    assert!(read_rays_with(&path, &options).is_err() && read_rays(&path).is_ok());
+    // A count without rays.
+    let error = read_rays_binary("r.rays", &u32::MAX.to_le_bytes()).expect_err("cut").to_string();
+    assert!(error.starts_with("r.rays: 4294967295 rays need 137438953444 bytes"), "{error}");
+    let error = read_rays(folder.path().with_extension("rays")).expect_err("not there");
+    assert!(error.to_string().contains("cannot be read ("), "{error}");
+    let folder = folder.path().join("folder.csv");
+    std::fs::create_dir(&folder).expect("made");
+    assert!(
+        read_rays(&folder)
+            .expect_err("a folder")
+            .to_string()
+            .ends_with("not a regular file; name one")
+    );
 }
 
 #[test]
