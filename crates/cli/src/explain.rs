@@ -43,6 +43,7 @@ pub(crate) fn run(arguments: &Explain) -> Result<()> {
     let entry = tasks::method(&arguments.method)?;
     let scene = Scene::load_with(&arguments.scene, &(&arguments.reading).into())?;
     tasks::say_notes(&scene.notes);
+    tasks::say_rounding(&arguments.scene, scene.rounding, tasks::MOVE);
     let settings = Settings {
         depth: arguments.depth,
         lights: arguments.lights.map_or(usize::MAX, usize::from),

@@ -53,6 +53,7 @@ pub(crate) fn run(arguments: &Render) -> Result<()> {
     let start = Instant::now();
     let scene = Scene::load_with(&arguments.scene, &(&arguments.reading).into())?;
     tasks::say_notes(&scene.notes);
+    tasks::say_rounding(&arguments.scene, scene.rounding, tasks::MOVE);
     let load = start.elapsed();
     let settings = settings(arguments, &scene)?;
     let (lights, instances) = (scene.lights.len().min(settings.lights), scene.instances.len());
