@@ -110,20 +110,21 @@ pub(crate) struct Subjects {
     pub reading: Reading,
 }
 
+const READING: &str = "Reading files";
+
 /// How files are read.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Reading files")]
 pub(crate) struct Reading {
     /// Refuse what the standard of a file's format does not allow; otherwise what is unambiguous is
     /// read, and what is lost is said once
-    #[arg(long)]
+    #[arg(long, help_heading = READING)]
     pub strict: bool,
     /// Refuse files that a file names outside its own folder
-    #[arg(long)]
+    #[arg(long, help_heading = READING)]
     pub sandbox: bool,
     /// The most memory that a file may take, with what it names and what is decoded from both: bytes,
     /// or with K, M or G, 1024 at a time
-    #[arg(long, value_name = "SIZE", default_value = "8G", value_parser = size)]
+    #[arg(long, help_heading = READING, value_name = "SIZE", default_value = "8G", value_parser = size)]
     pub max_memory: u64,
 }
 

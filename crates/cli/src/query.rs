@@ -64,14 +64,19 @@ pub(crate) fn run(arguments: &Query) -> Result<()> {
                 |file| file.rays_f32,
                 |mesh| {
                     let mend = "--precision f64 keeps them where they are";
-                    tasks::say_rounding(&arguments.mesh, mesh, mend);
+                    tasks::say_degenerate(&arguments.mesh, mesh.degenerate, mesh);
+                    tasks::say_rounding(&arguments.mesh, mesh.rounding(), mend);
                     Arc::clone(&mesh.triangles)
                 },
                 in_tree.then_some(in_tree_of),
             )
         }
         arguments::Precision::F64 => {
-            answer(arguments, |entry| &entry.f64, |file| file.rays, Mesh::triangles_f64, None)
+            let triangles = |mesh: &Mesh| {
+                tasks::say_degenerate(&arguments.mesh, mesh.degenerate_f64(), mesh);
+                mesh.triangles_f64()
+            };
+            answer(arguments, |entry| &entry.f64, |file| file.rays, triangles, None)
         }
     }
 }
@@ -91,7 +96,7 @@ fn answer<E: Precision + Serialize>(
         let kernels = kernels(entry);
         Some((entry, kernels, choose(arguments, kernels)?))
     };
-    let triangles = triangles(&tasks::load_mesh(&arguments.mesh, &arguments.reading)?);
+    let triangles = triangles(&tasks::read_mesh(&arguments.mesh, &arguments.reading)?);
     let rays = rays(tasks::load_rays(&arguments.rays, &arguments.reading)?);
     let culling = arguments.cull.into();
     let answers = match finder {

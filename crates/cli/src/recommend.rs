@@ -23,7 +23,11 @@ struct Report {
 
 pub(crate) fn run(arguments: &Recommend) -> Result<()> {
     let mesh = tasks::load_mesh(&arguments.mesh, &arguments.reading)?;
-    tasks::say_rounding(&arguments.mesh, &mesh, "kernels in f32 are judged by where they move to");
+    tasks::say_rounding(
+        &arguments.mesh,
+        mesh.rounding(),
+        "kernels in f32 are judged by where they move to",
+    );
     let inputs = match &arguments.rays {
         Some(path) => {
             let rays = tasks::load_rays(path, &arguments.reading)?;

@@ -86,18 +86,17 @@ pub(crate) fn meshes(subjects: &Subjects, others: fn() -> Vec<Mesh>) -> Result<V
     Ok(meshes)
 }
 
-/// Loads a mesh, and says what its reader passed over and how many of its triangles are degenerate.
+/// Loads a mesh for f32, and says what its reader passed over and how many triangles are degenerate.
 pub(crate) fn load_mesh(path: &Path, reading: &Reading) -> Result<Mesh> {
+    let mesh = read_mesh(path, reading)?;
+    say_degenerate(path, mesh.degenerate, &mesh);
+    Ok(mesh)
+}
+
+/// Loads a mesh, and says what its reader passed over.
+pub(crate) fn read_mesh(path: &Path, reading: &Reading) -> Result<Mesh> {
     let mesh = Mesh::load_with(path, &reading.into())?;
     say_notes(&mesh.notes);
-    if mesh.degenerate > 0 {
-        output::say(format_args!(
-            "{}: {} of {} triangles are degenerate and never hit",
-            path.display(),
-            mesh.degenerate,
-            mesh.triangles.len()
-        ));
-    }
     Ok(mesh)
 }
 
@@ -107,9 +106,18 @@ pub(crate) fn load_scene(path: &Path, reading: &Reading) -> Result<Scene> {
     say_notes(&scene.notes);
     // Less than this is no part of a pixel.
     if scene.rounding > f64::from(f32::EPSILON) {
-        say_moved(path, scene.rounding, MOVE);
+        say_rounding(path, scene.rounding, MOVE);
     }
     Ok(scene)
+}
+
+/// Says how many triangles of a mesh are degenerate in the precision that is asked for.
+pub(crate) fn say_degenerate(path: &Path, degenerate: usize, mesh: &Mesh) {
+    if degenerate > 0 {
+        let (path, all) = (path.display(), mesh.triangles.len());
+        let says = "triangles are degenerate and never hit";
+        output::say(format_args!("{path}: {degenerate} of {all} {says}"));
+    }
 }
 
 /// Says what readers passed over.
@@ -119,25 +127,21 @@ fn say_notes(notes: &[Note]) {
     }
 }
 
-/// Says by how much rounding to f32 moves a mesh, where a corner moves at all. `mend` says what to do.
-pub(crate) fn say_rounding(path: &Path, mesh: &Mesh, mend: &str) {
-    let rounding = mesh.rounding();
+/// Says by how much rounding to f32 moves a mesh or a scene, relative to its size, where a corner moves at
+/// all. `mend` says what to do.
+pub(crate) fn say_rounding(path: &Path, rounding: f64, mend: &str) {
     if rounding > 0.0 {
-        say_moved(path, rounding, mend);
+        output::say(format_args!(
+            "{}: rounded to f32 its corners move by up to {rounding:.1e} of its size; {mend}",
+            path.display()
+        ));
     }
-}
-
-fn say_moved(path: &Path, rounding: f64, mend: &str) {
-    output::say(format_args!(
-        "{}: rounded to f32 its corners move by up to {rounding:.1e} of its size; {mend}",
-        path.display()
-    ));
 }
 
 /// The same of all meshes that were read, where everything is in f32.
 pub(crate) fn say_all_rounding(subjects: &Subjects, meshes: &[Mesh]) {
     for (path, mesh) in subjects.mesh.iter().zip(meshes) {
-        say_rounding(path, mesh, MOVE);
+        say_rounding(path, mesh.rounding(), MOVE);
     }
 }
 

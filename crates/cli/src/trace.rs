@@ -51,7 +51,7 @@ pub(crate) fn run(arguments: &Trace) -> Result<()> {
         output::check_file_for(file, "--out")?;
     }
     let mesh = tasks::load_mesh(&arguments.mesh, &arguments.reading)?;
-    tasks::say_rounding(&arguments.mesh, &mesh, tasks::MOVE);
+    tasks::say_rounding(&arguments.mesh, mesh.rounding(), tasks::MOVE);
     let rays = tasks::load_rays(&arguments.rays, &arguments.reading)?.rays_f32;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.map_or(0, usize::from))

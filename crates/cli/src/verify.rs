@@ -25,7 +25,11 @@ pub(crate) fn run(arguments: &Verify) -> Result<()> {
         tasks::meshes(&arguments.subjects, Vec::new)?
     };
     for (path, mesh) in arguments.subjects.mesh.iter().zip(&meshes) {
-        tasks::say_rounding(path, mesh, "kernels in f32 are judged by where they move to");
+        tasks::say_rounding(
+            path,
+            mesh.rounding(),
+            "kernels in f32 are judged by where they move to",
+        );
     }
     let rays = match &arguments.rays {
         Some(path) => {

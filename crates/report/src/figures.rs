@@ -557,7 +557,7 @@ fn working_set(view: &View) -> Figure {
     let size = |v: &Variant, w: &str| {
         let timed = view.throughput.get(v)?.get(w)?;
         let triangles = view.workloads.get(w)?.triangles;
-        Some((triangles * timed.bytes_per_triangle) as f64)
+        Some(triangles as f64 * timed.bytes_per_triangle as f64)
     };
     let (legend, series, said) = series_lines(view, Family::WorkingSet, size, |_| true);
     Figure {
