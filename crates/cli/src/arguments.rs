@@ -1,12 +1,16 @@
 //! The command line.
 
+mod values;
+
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use trisect_catalog::Builder;
 use trisect_mesh::ReadOptions;
 use trisect_render::Sampling;
+
+pub(crate) use values::{Cull, Division, Light, Needs, Precision, Width};
+use values::{builders, count, error, positive, seconds, size};
 
 /// Compares ray–triangle intersection methods on this machine: error against run time.
 ///
@@ -132,20 +136,6 @@ impl From<&Reading> for ReadOptions {
     fn from(&Reading { strict, sandbox, max_memory }: &Reading) -> Self {
         Self { strict, sandbox, max_memory }
     }
-}
-
-/// A size in memory, in bytes or with a unit.
-fn size(text: &str) -> Result<u64, String> {
-    let units = [('K', 10), ('M', 20), ('G', 30)];
-    let unit = units.into_iter().find_map(|(unit, shift)| {
-        let digits = text.strip_suffix([unit, unit.to_ascii_lowercase()])?;
-        Some((digits, shift))
-    });
-    let (digits, shift) = unit.unwrap_or((text, 0));
-    let count: Option<u64> = digits.parse().ok();
-    count
-        .and_then(|count| count.checked_mul(1 << shift))
-        .ok_or_else(|| "not a size; give bytes, or as 512M or 2G".to_owned())
 }
 
 #[derive(Debug, Args)]
@@ -329,23 +319,6 @@ pub(crate) struct Omissions {
     pub json: bool,
 }
 
-/// A count, in digits or as `1e9`.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole and in range")]
-fn count(text: &str) -> Result<u64, String> {
-    let asked: f64 = text.parse().map_err(|_| "not a number; give a count, as 1e9".to_owned())?;
-    if asked.fract() == 0.0 && (0.0..=1e15).contains(&asked) {
-        Ok(asked as u64)
-    } else {
-        Err("not a whole number from 0 to 1e15".to_owned())
-    }
-}
-
-/// Lists the builders in help and completions.
-fn builders() -> impl TypedValueParser<Value = Builder> {
-    PossibleValuesParser::new(Builder::ALL.map(Builder::name))
-        .map(|name| name.parse().expect("it is listed"))
-}
-
 #[derive(Debug, Args)]
 pub(crate) struct Trace {
     /// Mesh: PLY, OBJ, STL or glTF
@@ -498,17 +471,6 @@ pub(crate) struct Recommend {
     pub reading: Reading,
 }
 
-/// An error that is allowed.
-fn error(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x| *x >= 0.0).ok_or_else(|| "not a number from 0".to_owned())
-}
-
-/// A time for a race.
-fn seconds(text: &str) -> Result<f64, String> {
-    let time = text.parse().ok().filter(|x| (0.0..=3600.0).contains(x));
-    time.ok_or_else(|| "not a number from 0 to 3600".to_owned())
-}
-
 /// Render a scene to a picture: after Whitted, with ambient occlusion, or by tracing paths.
 ///
 /// The same scene, seed and settings give the same picture to the bit, for any number of threads and
@@ -572,135 +534,4 @@ pub(crate) struct Render {
     pub json: bool,
     #[command(flatten)]
     pub reading: Reading,
-}
-
-/// A number from 0, which may be infinite.
-fn positive(text: &str) -> Result<f32, String> {
-    text.parse().ok().filter(|x| *x >= 0.0).ok_or_else(|| "not a number from 0".to_owned())
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Light {
-    /// From the eye through mirrors and glass, and from each point to the lights
-    Whitted,
-    /// On random paths, whose mean is the picture
-    Paths,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Precision {
-    F32,
-    F64,
-}
-
-impl Precision {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::F32 => "f32",
-            Self::F64 => "f64",
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Needs {
-    Occlusion,
-    T,
-    Barycentrics,
-    Point,
-    Normal,
-}
-
-impl Needs {
-    pub(crate) fn name(self) -> &'static str {
-        trisect_core::Output::from(self).name()
-    }
-}
-
-impl From<Needs> for trisect_core::Output {
-    fn from(needs: Needs) -> Self {
-        match needs {
-            Needs::Occlusion => Self::Occlusion,
-            Needs::T => Self::T,
-            Needs::Barycentrics => Self::Barycentrics,
-            Needs::Point => Self::Point,
-            Needs::Normal => Self::Normal,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Division {
-    Early,
-    Deferred,
-}
-
-impl Division {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Early => "early",
-            Self::Deferred => "deferred",
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Cull {
-    None,
-    Back,
-    Front,
-}
-
-impl From<Cull> for trisect_core::Culling {
-    fn from(cull: Cull) -> Self {
-        match cull {
-            Cull::None => Self::None,
-            Cull::Back => Self::Back,
-            Cull::Front => Self::Front,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Width {
-    #[value(name = "1")]
-    W1,
-    #[value(name = "2")]
-    W2,
-    #[value(name = "4")]
-    W4,
-    #[value(name = "8")]
-    W8,
-    #[value(name = "16")]
-    W16,
-    Native,
-}
-
-impl Width {
-    /// The number of lanes asked for; none for the widest.
-    pub(crate) fn lanes(self) -> Option<usize> {
-        match self {
-            Self::W1 => Some(1),
-            Self::W2 => Some(2),
-            Self::W4 => Some(4),
-            Self::W8 => Some(8),
-            Self::W16 => Some(16),
-            Self::Native => None,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_have_units() {
-        assert_eq!(size("4096"), Ok(4096));
-        assert_eq!((size("3K"), size("3m"), size("1G")), (Ok(3 << 10), Ok(3 << 20), Ok(1 << 30)));
-        assert_eq!(size("8G"), Ok(ReadOptions::MAX_MEMORY), "the default");
-        for wrong in ["", "G", "1.5G", "-1", "1T", "99999999999G"] {
-            assert!(size(wrong).is_err(), "{wrong}");
-        }
-    }
 }

@@ -157,11 +157,11 @@ impl Report {
             || format!("{} has no such kernel", self.method),
             |own| {
                 let behind = (own.ns_per_test / ns_per_test - 1.0) * 100.0;
-                let mut says = format!("{} is {behind:.0} % behind", self.method);
-                if own.wrong.total() > 0 {
-                    says += &format!(", with {} wrong decisions", own.wrong.total());
-                }
-                says
+                let wrong = match own.wrong.total() {
+                    0 => String::new(),
+                    wrong => format!(", with {wrong} wrong decisions"),
+                };
+                format!("{} is {behind:.0} % behind{wrong}", self.method)
             },
         );
         [first, second]

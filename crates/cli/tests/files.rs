@@ -258,3 +258,39 @@ fn every_verb_keeps_to_the_limits_on_reading() {
         assert!(run.stderr.ends_with(says), "{}", run.stderr);
     }
 }
+
+/// A byte order mark before the first line, as editors and spreadsheets write it.
+#[test]
+fn a_byte_order_mark_is_no_part_of_the_first_line() {
+    let folder = Folder::new();
+    let marked = |name: &str, text: &str| folder.write(name, format!("\u{feff}{text}").as_bytes());
+    // Without its first line the face would be another, 3.5 away from the ray's origin.
+    marked("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 5\nf 1 2 3\n");
+    marked("r.csv", "ox,oy,oz,dx,dy,dz\n0.25,0.25,-1,0,0,1\n");
+    for method in ["oracle", "exact"] {
+        let query = format!("query --mesh m.obj --rays r.csv --method {method}");
+        let run = folder.trisect(&query, b"");
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{method}");
+        let hit =
+            "{\"ray\":0,\"hit\":true,\"triangle\":0,\"t\":1.0,\"beta\":0.25,\"gamma\":0.25}\n";
+        assert_eq!(run.stdout, hit, "{method}");
+    }
+}
+
+/// What a reader passes over is said once, with a count, and beside the answers; a strict one refuses it.
+#[test]
+fn what_is_passed_over_is_said_once() {
+    let folder = Folder::new();
+    // A face of two corners, twice: no triangle.
+    folder.write("m.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\nf 1 2 3\nf 2 3\n");
+    let query = "query --mesh m.obj --rays rays.csv --method wald";
+    let run = folder.trisect(query, b"");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+    assert!(run.stderr.starts_with("m.obj: "), "{}", run.stderr);
+    assert!(run.stderr.contains("2 times, first "), "{}", run.stderr);
+    assert!(run.stdout.lines().all(|line| json(line)["ray"].is_u64()), "{}", run.stdout);
+    let run = folder.trisect(&format!("{query} --strict"), b"");
+    assert_eq!((run.code, run.stdout.as_str()), (Some(2), ""), "{}", run.stderr);
+    assert!(run.stderr.contains("leave out --strict"), "{}", run.stderr);
+}

@@ -259,7 +259,7 @@ mod tests {
         let corner = |x: f64, y: f64| Vec3::new(FAR + x, y, 0.0);
         let triangle = Triangle::new(corner(0.25, 0.0), corner(4.25, 0.0), corner(0.25, 4.0));
         let ray = Ray::<f64>::new([FAR + 1.75, 1.0, 3.0], [0.0, 0.0, -1.0]);
-        let narrow = |v: Vec3<f64>| v.map(|x| x as f32);
+        let narrow = |v: Vec3<f64>| v.map(<f32 as trisect_core::Scalar>::from_f64);
         let [a, b, c] = triangle.corners().map(narrow);
         let rounded =
             Ray { o: narrow(ray.o), d: narrow(ray.d), tmin: 0.0_f32, tmax: f32::INFINITY };

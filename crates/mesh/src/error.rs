@@ -97,7 +97,7 @@ pub enum MeshProblem {
     },
     /// A coordinate of a face is NaN, infinite, or beyond the range of f32.
     #[error(
-        "face {face}: vertex {vertex}: {axis} is {value}; every coordinate must be a finite f32"
+        "face {face}: vertex {vertex}: {axis} is {value:?}; every coordinate must be a finite f32"
     )]
     NotFinite {
         /// The face.

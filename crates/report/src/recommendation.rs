@@ -78,24 +78,7 @@ pub fn recommendation_text(mesh: &str, found: &Recommendation, width: usize) -> 
         wrong.total(),
     );
     if !others.is_empty() {
-        let mut table = Table::new(&["runner-up", "M/s", "B", "error", "wrong"]);
-        for other in others.iter().take(RUNNERS_UP) {
-            let name = format!(
-                "{} {}, {}",
-                other.variant.method,
-                lanes_label(&other.variant),
-                finish_label(&other.variant)
-            );
-            table.rows.push(vec![
-                // So that the numbers stand beside it.
-                cut(&name, width.saturating_sub(35)),
-                number(mtests(other.ns_per_test)),
-                other.bytes_per_triangle.to_string(),
-                scientific(other.error),
-                other.wrong.total().to_string(),
-            ]);
-        }
-        let _ = write!(out, "\n{}", table.render(width));
+        let _ = write!(out, "\n{}", runners_up(others, width).render(width));
     }
     if let Some(exhaustive) = &found.exhaustive {
         let Exhaustive { samples_of_all, samples_of_fastest, best, behind, .. } = exhaustive;
@@ -133,4 +116,25 @@ fn wrong_decisions(decisions: &[Decided]) -> Option<String> {
         }
     }
     (!wrong.is_empty()).then(|| format!("wrong decisions, by method: {}", wrong.join(", ")))
+}
+
+fn runners_up(others: &[Candidate], width: usize) -> Table {
+    let mut table = Table::new(&["runner-up", "M/s", "B", "error", "wrong"]);
+    for other in others.iter().take(RUNNERS_UP) {
+        let name = format!(
+            "{} {}, {}",
+            other.variant.method,
+            lanes_label(&other.variant),
+            finish_label(&other.variant)
+        );
+        table.rows.push(vec![
+            // So that the numbers stand beside it.
+            cut(&name, width.saturating_sub(35)),
+            number(mtests(other.ns_per_test)),
+            other.bytes_per_triangle.to_string(),
+            scientific(other.error),
+            other.wrong.total().to_string(),
+        ]);
+    }
+    table
 }

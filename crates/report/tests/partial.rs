@@ -149,10 +149,14 @@ fn places(value: &Value, path: &str, found: &mut Vec<String>) {
     match value {
         Value::Number(_) if !found.iter().any(|other| other == path) => found.push(path.to_owned()),
         Value::Array(values) => {
-            values.iter().for_each(|value| places(value, &format!("{path}/*"), found));
+            for value in values {
+                places(value, &format!("{path}/*"), found);
+            }
         }
         Value::Object(fields) => {
-            fields.iter().for_each(|(name, value)| places(value, &format!("{path}/{name}"), found));
+            for (name, value) in fields {
+                places(value, &format!("{path}/{name}"), found);
+            }
         }
         _ => {}
     }
@@ -188,7 +192,9 @@ fn numbers_that_no_machine_measures_are_drawn() {
                 .map(|line| serde_json::from_str(line).expect("a record is JSON"))
                 .collect();
             let mut found = Vec::new();
-            lines.iter().for_each(|line| places(line, "", &mut found));
+            for line in &lines {
+                places(line, "", &mut found);
+            }
             for (place, number) in found.iter().flat_map(|p| extremes.map(|e| (p, e))) {
                 let number = serde_json::from_str(number).expect("it is one");
                 let changed = lines.iter().map(|line| {

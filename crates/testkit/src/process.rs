@@ -8,7 +8,7 @@ use std::time::Duration;
 use wait_timeout::ChildExt as _;
 
 /// What takes longer hangs: no program that a test runs takes a tenth of this on a slow machine.
-pub const STUCK: Duration = Duration::from_secs(600);
+pub const STUCK: Duration = Duration::from_mins(10);
 
 /// Waits for a process to end.
 ///

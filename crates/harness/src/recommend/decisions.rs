@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 use serde::Serialize;
 use trisect_catalog::{Builder, Entry, Kernels, Tree, Variant, find};
-use trisect_core::{Float, Precision, Ray, Triangle};
+use trisect_core::{Float, Precision, Ray, Scalar, Triangle};
 
 use crate::answers::{Answers, Pair, shared};
 use crate::measure::REFERENCE;
@@ -71,9 +71,8 @@ impl Wrong {
 }
 
 /// Rounds to f32.
-#[expect(clippy::cast_possible_truncation, reason = "rounding is the point")]
 fn to_f32(x: f64) -> f64 {
-    f64::from(x as f32)
+    f64::from(<f32 as Scalar>::from_f64(x))
 }
 
 /// How numbers of a precision are rounded.
