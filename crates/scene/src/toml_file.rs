@@ -7,7 +7,7 @@ use std::path::Path;
 use glam::{Affine3A, DAffine3, DVec3, EulerRot, Quat, Vec2, Vec3};
 use serde::Deserialize;
 use toml::Spanned;
-use trisect_mesh::Reading;
+use trisect_mesh::{MeshFormat, Reading, quoted};
 
 use crate::camera::{Camera, Lens};
 use crate::draft::Draft;
@@ -523,10 +523,15 @@ impl Reader<'_> {
         match table.get_ref() {
             MeshTable { file: Some(file), model: None } => {
                 let path = folder.join(file.get_ref());
-                if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("obj")) {
-                    return obj::load(&path, scene, reading);
+                match MeshFormat::of(&path) {
+                    Some(MeshFormat::Obj) => obj::load(&path, scene, reading),
+                    Some(_) => load_triangles(&path, reading),
+                    None => {
+                        let what = format!("`{}` is of an unknown type", quoted(file.get_ref()));
+                        let mend = "name a .ply, .obj, .stl, .gltf or .glb";
+                        Err(self.fault(&file.span(), "file", &what, mend))
+                    }
                 }
-                load_triangles(&path, reading)
             }
             MeshTable { file: None, model: Some(model) } => match model.get_ref().as_str() {
                 "chair" => Ok(Mesh::chair()),
