@@ -25,22 +25,13 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{CommandFactory as _, Parser as _};
 use trisect_harness::{NotExact, RecommendError, StudyError, WrongAnswer};
+use trisect_mesh::cut;
 
 use arguments::{Arguments, Verb};
 
-/// A message without what would break its line or move the cursor: names of files and what is
-/// quoted from them may hold anything.
-fn one_line(message: &str) -> String {
-    let mut line = String::new();
-    for c in message.chars() {
-        if c.is_control() {
-            line.extend(c.escape_default());
-        } else {
-            line.push(c);
-        }
-    }
-    line
-}
+/// The most characters of a message that are shown: names of files and what is quoted from them may hold
+/// anything, and any amount of it.
+const LONGEST: usize = 600;
 
 fn main() -> ExitCode {
     match Arguments::try_parse() {
@@ -86,7 +77,7 @@ fn ended(done: Result<()>, code: ExitCode) -> ExitCode {
         Ok(()) => code,
         Err(error) if output::is_closed_pipe(&error) => code,
         Err(error) => {
-            output::say(format_args!("trisect: {}", one_line(&format!("{error:#}"))));
+            output::say(format_args!("trisect: {}", cut(&format!("{error:#}"), LONGEST)));
             // 2: the input is at fault, as for clap's own errors; 1: trisect is.
             let is_ours = error.is::<WrongAnswer>()
                 || error.is::<NotExact>()

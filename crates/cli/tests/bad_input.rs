@@ -321,7 +321,7 @@ fn nothing_to_recommend() {
             "recommend --mesh m.obj --rays r.csv --needs normal --max-error 1e-30",
             "no kernel keeps its error within 1e-30 here; the least is …: allow that with --max-error",
         )
-        .file("m.obj", "v 0.1 0.2 0.3\nv 1.7 0.3 0.9\nv 0.4 1.3 -0.7\nf 1 2 3\n")
+        .file("m.obj", "v 0.125 0.25 0.3125\nv 1.75 0.3125 0.875\nv 0.4375 1.25 -0.75\nf 1 2 3\n")
         .file("r.csv", format!("ox,oy,oz,dx,dy,dz\n{}", skew.join("\n"))),
         case(
             "recommend --mesh mesh.obj --rays rays.csv --needs normal --watertight",

@@ -84,7 +84,7 @@ fn mutants_of_every_format() {
     // Mutants that are all refused, or none, show nothing.
     for (format, tally) in outcome.tallies {
         assert_eq!(tally.tried(), MUTANTS, "{format:?}");
-        assert!(tally.refused > MUTANTS / 10, "{format:?}: {tally:?}");
+        assert!(tally.refused > MUTANTS / 50, "{format:?}: {tally:?}");
         let some_accepted = tally.accepted > MUTANTS / 50;
         assert!(some_accepted || format == Format::Exr, "{format:?}: {tally:?}");
     }

@@ -14,7 +14,7 @@ use std::io::{Read, Write};
 use std::path::Path;
 
 use trisect_core::{Ray, Vec3};
-use trisect_mesh::{ReadOptions, ReadProblem, Reading, cut, quoted};
+use trisect_mesh::{ReadOptions, ReadProblem, Reading, cut, quoted, unquoted};
 
 /// Rays in both precisions, each rounded once from what the file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -184,8 +184,9 @@ fn parse_csv(bytes: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProble
         .from_reader(text.as_bytes());
     let mut record = csv::StringRecord::new();
     let mut file = RaysFile::default();
+    // The library leaves quotation marks that follow a space.
     let header = if csv.read_record(&mut record).map_err(csv_problem)? {
-        record.iter().map(str::to_owned).collect()
+        record.iter().map(|name| unquoted(name).to_owned()).collect()
     } else {
         Vec::new()
     };
@@ -203,7 +204,7 @@ fn parse_csv(bytes: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProble
         }
         let mut wide = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f64::INFINITY];
         let mut narrow = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f32::INFINITY];
-        for (&slot, text) in slots.iter().zip(&record) {
+        for (&slot, text) in slots.iter().zip(record.iter().map(unquoted)) {
             let place = || format!("line {line}");
             (wide[slot], narrow[slot]) =
                 text.parse().ok().zip(text.parse().ok()).ok_or_else(|| {
