@@ -7,6 +7,7 @@ mod common;
 mod moved;
 
 use std::f32::consts::PI;
+use std::fmt::Write as _;
 
 use common::{render, shipped, stage};
 use moved::{Grows, moved, power_of_two, scaled};
@@ -139,7 +140,7 @@ fn a_file_in_any_unit_has_the_same_picture() {
         for triangle in &mesh.triangles {
             for corner in triangle.corners() {
                 let [x, y, z] = at(corner.x, corner.y, corner.z);
-                obj += &format!("v {x} {y} {z}\n");
+                writeln!(obj, "v {x} {y} {z}").expect("a string takes all");
             }
             obj += "f -3 -2 -1\n";
         }
