@@ -84,7 +84,9 @@ fn mutants_of_every_format() {
     // Mutants that are all refused, or none, show nothing.
     for (format, tally) in outcome.tallies {
         assert_eq!(tally.tried(), MUTANTS, "{format:?}");
-        assert!(tally.refused > MUTANTS / 50, "{format:?}: {tally:?}");
+        // A material library is refused for little: what is wrong with it is noted.
+        let least_refused = if format == Format::Mtl { MUTANTS / 50 } else { MUTANTS / 10 };
+        assert!(tally.refused > least_refused, "{format:?}: {tally:?}");
         let some_accepted = tally.accepted > MUTANTS / 50;
         assert!(some_accepted || format == Format::Exr, "{format:?}: {tally:?}");
     }

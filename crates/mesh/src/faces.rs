@@ -58,16 +58,7 @@ impl Raw {
     }
 
     /// Adds a face of a format that numbers its vertices from 0.
-    pub(crate) fn push(&mut self, vertices: &[i64], line: Option<usize>) {
-        self.push_all(vertices.iter().copied(), line);
-    }
-
-    /// The same.
-    pub(crate) fn push_all(
-        &mut self,
-        vertices: impl IntoIterator<Item = i64>,
-        line: Option<usize>,
-    ) {
+    pub(crate) fn push(&mut self, vertices: impl IntoIterator<Item = i64>, line: Option<usize>) {
         self.push_corners(vertices.into_iter().map(|v| Corner { vertex: v, written: v }), line);
     }
 

@@ -75,7 +75,7 @@ pub enum MeshFormat {
     Obj,
     /// `.stl`, ascii or binary.
     Stl,
-    /// `.gltf` and `.glb`: the triangles of all nodes of all scenes, transformed to the world.
+    /// `.gltf` and `.glb`: the triangles of the scene that the document names, transformed to the world.
     Gltf,
 }
 
@@ -125,9 +125,9 @@ impl Mesh {
     /// # Errors
     /// As [`load_with`](Mesh::load_with).
     pub fn read(path: &Path, reading: &mut Reading) -> Result<Self, MeshError> {
-        let fail = |problem| MeshError { file: path.display().to_string(), problem };
-        let format = MeshFormat::of(path).ok_or_else(|| fail(MeshProblem::UnknownType))?;
         let file = path.display().to_string();
+        let fail = |problem| MeshError { file: file.clone(), problem };
+        let format = MeshFormat::of(path).ok_or_else(|| fail(MeshProblem::UnknownType))?;
         let bytes = reading.file(path).map_err(|problem| fail(problem.into()))?;
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut source = Source { file: &file, folder: path.parent(), reading };

@@ -178,7 +178,7 @@ fn read_elements(
             if is_vertex {
                 raw.vertices.push(Vertex { at, line });
             } else if is_face {
-                raw.push(&list, line);
+                raw.push(list.iter().copied(), line);
             } else if is_strip {
                 push_strips(raw, &list, line);
             }
@@ -230,7 +230,7 @@ fn push_strips(raw: &mut Raw, list: &[i64], line: Option<usize>) {
             let &[a, b, c] = corners else { continue };
             if a != b && b != c && c != a {
                 // Every second triangle runs the other way round.
-                raw.push(&if number.is_multiple_of(2) { [a, b, c] } else { [b, a, c] }, line);
+                raw.push(if number.is_multiple_of(2) { [a, b, c] } else { [b, a, c] }, line);
             }
         }
     }

@@ -71,7 +71,7 @@ fn push_facet(raw: &mut Raw, corners: impl IntoIterator<Item = Vertex>, line: Op
     let first = raw.vertices.len();
     raw.vertices.extend(corners);
     let index = |index: usize| i64::try_from(index).unwrap_or(i64::MAX);
-    raw.push_all((first..raw.vertices.len()).map(index), line);
+    raw.push((first..raw.vertices.len()).map(index), line);
 }
 
 /// Where in the nested `solid`, `facet`, `loop` a word stands.

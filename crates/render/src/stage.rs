@@ -14,7 +14,6 @@ use trisect_scene::{Camera, Frame, Instance, Light, Material, Plane, Scene, Sphe
 use trisect_tracer::{Statistics, Tree};
 
 use crate::offset::{self, ROUNDOFF};
-use crate::surface::axes;
 
 /// A triangle's plane.
 #[derive(Clone, Copy)]
@@ -226,7 +225,7 @@ impl Stage {
             scene.planes.iter().map(|plane| casts(plane.material)).collect(),
         ];
         let plane_axes =
-            scene.planes.iter().map(|plane| axes(plane).map(|axis| axis * frame.unit())).collect();
+            scene.planes.iter().map(|plane| plane.axes().map(|axis| axis * frame.unit())).collect();
         let spheres = scene.spheres.iter().map(|sphere| frame.sphere(sphere)).collect();
         let planes = scene.planes.iter().map(|plane| frame.plane(plane)).collect();
         let lights = scene.lights.iter().map(|light| frame.light(light)).collect();

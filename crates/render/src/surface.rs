@@ -212,11 +212,6 @@ fn around(normal: Vec3) -> Vec2 {
     Vec2::new(u, normal.y.clamp(-1.0, 1.0).acos() / PI)
 }
 
-/// The axes of coordinates on a plane, in the world's units; on a floor they are x and z.
-pub(crate) fn axes(plane: &Plane) -> [Vec3; 2] {
-    plane.axes()
-}
-
 /// Light that comes back from a mirror, given the ray's direction and the normal towards its origin.
 #[inline]
 pub(crate) fn reflected(direction: Vec3, normal: Vec3) -> Vec3 {
