@@ -8,7 +8,7 @@ use iced_x86::{
 };
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SymbolKind};
 use trisect_catalog::{Kernel, entries};
-use trisect_core::Output;
+use trisect_core::{Form, Output};
 
 /// Methods that divide when a ray is prepared, once for all triangles of a group: the shears of the
 /// watertight test, and the direction by its longest part.
@@ -136,11 +136,10 @@ fn stores(instruction: &Instruction) -> bool {
 /// Kernels of single precision that are asked for `output`.
 fn kernels(
     output: Output,
-    division: &str,
+    division: Form,
 ) -> impl Iterator<Item = (&'static str, &'static Kernel)> {
     entries().iter().flat_map(move |entry| {
-        let asked = entry.f32.timed.iter().filter(move |kernel| kernel.needs == output);
-        let division = division.to_owned();
+        let asked = entry.f32.timed.iter().filter(move |kernel| kernel.variant.needs == output);
         let asked = asked.filter(move |kernel| kernel.variant.division == division);
         asked.map(|kernel| (entry.info.name, kernel))
     })
@@ -150,9 +149,9 @@ fn kernels(
 fn shadow_rays_are_decided_without_a_division() {
     let code = Code::read();
     let (mut decided, mut per_ray) = (BTreeSet::new(), BTreeSet::new());
-    for (method, kernel) in kernels(Output::Occlusion, "deferred") {
+    for (method, kernel) in kernels(Output::Occlusion, Form::Deferred) {
         decided.insert(method);
-        let place = format!("{method}, {:?}, early-out {}", kernel.variant.lane, kernel.early_out);
+        let place = format!("{:?}", kernel.variant);
         let functions = code.kernel(kernel);
         if functions.iter().flatten().any(divides) {
             per_ray.insert(method);
@@ -180,9 +179,9 @@ fn values_take_a_division() {
     let code = Code::read();
     let (mut in_loops, mut all) = (0, 0);
     let computed_here = |(method, _): &(&str, _)| *method != HANDS_ON;
-    for (method, kernel) in kernels(Output::Barycentrics, "deferred").filter(computed_here) {
+    for (method, kernel) in kernels(Output::Barycentrics, Form::Deferred).filter(computed_here) {
         let functions = code.kernel(kernel);
-        let place = format!("{method}, {:?}", kernel.variant.lane);
+        let place = format!("{:?}", kernel.variant);
         assert!(functions.iter().flatten().any(divides), "{place} divides nowhere");
         let mut loops = functions.iter().flat_map(|f| innermost_loops(f)).flatten();
         in_loops += usize::from(loops.any(divides));

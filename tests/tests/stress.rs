@@ -1,7 +1,9 @@
 //! The stability study, small: what it finds of every method must not change unseen.
 
 use trisect_catalog::{entries, find};
-use trisect_core::{Flushing, Hit, Ray, Scalar as _, Triangle, Vec3};
+use trisect_core::{
+    FloatFormat, Flushing, Form, Hit, MultiplyAdd, Ray, Scalar as _, Triangle, Vec3,
+};
 use trisect_harness::record::{Clause, Record, StressFamily, SurfaceCracks};
 use trisect_harness::{Progress, StressSettings, stress};
 
@@ -35,7 +37,7 @@ fn pairs(method: &str) -> Vec<Record> {
 
 fn families<'a>(
     records: &'a [Record],
-    precision: &'a str,
+    precision: FloatFormat,
 ) -> impl Iterator<Item = &'a StressFamily> {
     records.iter().filter_map(move |record| match record {
         Record::Stress(family) if family.variant.precision == precision => Some(family),
@@ -98,12 +100,13 @@ fn watertight_methods_have_no_cracks_and_others_have_some() {
     for record in &records {
         let Record::SurfaceCracks(cracks) = record else { continue };
         let claims = find(&cracks.variant.method).expect("it is measured").info.claims.watertight;
-        let claimed =
-            claims && cracks.variant.arithmetic == "plain" && cracks.variant.division == "deferred";
+        let claimed = claims
+            && cracks.variant.arithmetic == MultiplyAdd::Plain
+            && cracks.variant.division == Form::Deferred;
         if claimed {
             assert_eq!(through(cracks), 0, "{cracks:?}");
-            tight.push(cracks.variant.method.as_str());
-        } else if cracks.variant.precision == "f32" && !claims {
+            tight.push(cracks.variant.method.as_ref());
+        } else if cracks.variant.precision == FloatFormat::F32 && !claims {
             assert!(through(cracks) > 0, "{} claims less than it keeps", cracks.variant.method);
         }
     }
@@ -115,7 +118,7 @@ fn every_family_is_easy_for_a_plain_method_at_its_first_level() {
     let records = pairs("moller-trumbore");
     let hard_at_once = ["subnormal", "near-collinear", "random-bits"];
     let mut seen = 0;
-    for family in families(&records, "f32").filter(|family| !family.flush_to_zero) {
+    for family in families(&records, FloatFormat::F32).filter(|family| !family.flush_to_zero) {
         seen += 1;
         let first = &family.levels[0];
         if !hard_at_once.contains(&family.family.as_str()) {
@@ -155,9 +158,9 @@ fn limits_are_where_the_numbers_end() {
     for limits in scale {
         // The numerator of t is of third degree in the size: it underflows to less than the ten bits
         // that a thousandth takes, or overflows.
-        let (smallest, largest) = match limits.variant.precision.as_str() {
-            "f32" => (f64::from(f32::from_bits(1 << 10)), f64::from(f32::MAX)),
-            _ => (f64::from_bits(1 << 10), f64::MAX),
+        let (smallest, largest) = match limits.variant.precision {
+            FloatFormat::F32 => (f64::from(f32::from_bits(1 << 10)), f64::from(f32::MAX)),
+            FloatFormat::F64 => (f64::from_bits(1 << 10), f64::MAX),
         };
         let near = |x: f64, end: f64| (0.1..10.0).contains(&(x / end));
         assert!(near(limits.smallest, smallest.cbrt()), "{limits:?}");
@@ -213,7 +216,7 @@ fn what_claims_to_be_exact_is() {
     for row in &summary.rows {
         assert!(row.counts.tests > 0 && row.counts.rays > 0, "{row:?}");
     }
-    assert!(summary.rows.iter().any(|row| row.precision == "f64"));
+    assert!(summary.rows.iter().any(|row| row.precision == FloatFormat::F64));
 }
 
 /// Each stage decides something somewhere, and the cheapest nearly all of a scene.

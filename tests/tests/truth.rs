@@ -1,7 +1,9 @@
 //! Every method against the exact oracle, on a mesh.
 
 use trisect_catalog::{Kernels, entries};
-use trisect_core::{Culling, Hit, MethodInfo, Output, Precision, Ray, Scalar, Triangle, Vec3};
+use trisect_core::{
+    Culling, Hit, MethodInfo, Output, Precision, Ray, ReciprocalKind, Scalar, Triangle, Vec3,
+};
 use trisect_oracle::{Oracle, Truth};
 use trisect_workloads::Mesh;
 
@@ -87,13 +89,16 @@ fn check<E: Precision>(
     // that lie badly to the axis.
     let Ok(scene) = (kernels.prepare)(triangles, rays) else { return };
     for finder in &kernels.finders {
-        let variant = finder.variant;
-        if !variant.lane.instruction_set.is_available() {
+        let variant = &finder.variant;
+        if !variant.is_available() {
             continue;
         }
         // How far an answer may be off, per unit of condition. The estimate and one Newton step
         // fall short of the division by a few roundings.
-        let newton = if variant.reciprocal == "newton" { 4.0 } else { 0.0 };
+        let newton = match variant.reciprocal {
+            ReciprocalKind::True => 0.0,
+            ReciprocalKind::Newton => 4.0,
+        };
         let unit = (info.error_factor + newton) * E::UNIT_ROUNDOFF;
         let found = finder.closest(&scene, Culling::None, rays.len());
         let mut tally = Tally::default();

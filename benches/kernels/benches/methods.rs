@@ -58,7 +58,7 @@ impl Group<'_> {
         let hits: Vec<OnceCell<u64>> = finders.iter().map(|_| OnceCell::new()).collect();
         let common = Common::of(rays);
         let serves = |kernel: &&Kernel| {
-            kernel.variant.lane.instruction_set.is_available() && kernel.arrangement.serves(common)
+            kernel.variant.is_available() && kernel.variant.arrangement.serves(common)
         };
         for kernel in kernels.timed.iter().filter(serves) {
             group.bench_function(BenchmarkId::from_parameter(kernel_name(kernel)), |bencher| {
@@ -84,15 +84,14 @@ impl Group<'_> {
 /// The finder whose hits a kernel must count: of plain kernels the scalar, since plain arithmetic
 /// gives the same bits on every width; of others the kernel's own.
 fn finder_for(finders: &[&Finder], kernel: &Kernel) -> usize {
-    let variant = kernel.variant;
-    let is_plain = variant.lane.arithmetic == "plain" && variant.reciprocal == "true";
+    let variant = &kernel.variant;
     finders
         .iter()
         .position(|finder| {
-            if is_plain {
-                finder.variant.lane.width == 1 && finder.variant.division == variant.division
+            if variant.is_plain() {
+                finder.variant.width == 1 && finder.variant.rounds_like(variant)
             } else {
-                finder.variant == variant
+                finder.variant.computes_like(variant)
             }
         })
         .expect("every timed variant has a finder")

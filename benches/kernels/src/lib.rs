@@ -1,7 +1,8 @@
 //! What the benches and the yardstick share: the workloads, and the kernels by name.
 #![forbid(unsafe_code)]
 
-use trisect_catalog::Kernel;
+use trisect_catalog::{Kernel, Variant};
+use trisect_core::ReciprocalKind;
 use trisect_workloads::{Mesh, Workload, primary, random};
 
 /// The seed of everything random here.
@@ -20,21 +21,15 @@ pub fn workloads() -> [Workload; 2] {
 
 /// A kernel's name, without its method: `f32x8 avx2 fused one-ray deferred early-out barycentrics`.
 pub fn kernel_name(kernel: &Kernel) -> String {
-    let variant = kernel.variant;
-    let lane = variant.lane;
-    let mut words = vec![
-        format!("{}x{}", lane.precision, lane.width),
-        lane.instruction_set.name().to_owned(),
-        lane.arithmetic.to_owned(),
-        kernel.arrangement.name().to_owned(),
-        variant.division.to_owned(),
-    ];
-    if variant.reciprocal != "true" {
-        words.push(variant.reciprocal.to_owned());
-    }
-    if kernel.early_out {
-        words.push("early-out".to_owned());
-    }
-    words.push(kernel.needs.name().to_owned());
-    words.join(" ")
+    let Variant { precision, width, instruction_set, arithmetic, arrangement, .. } =
+        &kernel.variant;
+    let Variant { division, reciprocal, early_out, needs, .. } = &kernel.variant;
+    let reciprocal = match reciprocal {
+        ReciprocalKind::True => "",
+        ReciprocalKind::Newton => " newton",
+    };
+    let early_out = if *early_out { " early-out" } else { "" };
+    format!(
+        "{precision}x{width} {instruction_set} {arithmetic} {arrangement} {division}{reciprocal}{early_out} {needs}"
+    )
 }

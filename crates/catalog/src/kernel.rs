@@ -9,81 +9,13 @@ use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use trisect_core::{
-    Common, CommonDirection, CommonOrigin, Culling, Division, Flushing, Hit, InstructionSet, Lanes,
-    Method, Needs, Output, PADDING, Packets, Precision, PreparedTriangles, Ray, Scalar, Tested,
-    Token, Triangle, UnsuitableMesh, intersect_with, one_ray, one_triangle, shared_packets,
+    Arrangement, Common, CommonDirection, CommonOrigin, Culling, Division, Flushing, Hit, Lanes,
+    Method, Needs, PADDING, Packets, Precision, PreparedTriangles, Ray, Scalar, Tested, Token,
+    Triangle, UnsuitableMesh, intersect_with, one_ray, one_triangle, shared_packets,
 };
 use trisect_tracer::{Builder, Bvh, Leaves, Tree};
 
-/// Which way round the lanes are used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Arrangement {
-    /// One ray against N triangles at a time.
-    OneRay,
-    /// N rays at a time against one triangle.
-    OneTriangle,
-    /// The same for rays of one origin.
-    CommonOrigin,
-    /// The same for rays of one direction.
-    CommonDirection,
-}
-
-impl Arrangement {
-    /// The name used in records.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::OneRay => "one-ray",
-            Self::OneTriangle => "one-triangle",
-            Self::CommonOrigin => "common-origin",
-            Self::CommonDirection => "common-direction",
-        }
-    }
-
-    /// Whether it serves rays that have that much in common.
-    pub const fn serves(self, common: Common) -> bool {
-        match self {
-            Self::OneRay | Self::OneTriangle => true,
-            Self::CommonOrigin => common.origin,
-            Self::CommonDirection => common.direction,
-        }
-    }
-}
-
-/// A lane type, as a value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Lane {
-    /// `f32` or `f64`.
-    pub precision: &'static str,
-    /// How many lanes; 1 is the scalar.
-    pub width: usize,
-    /// The instructions it is compiled for.
-    pub instruction_set: InstructionSet,
-    /// `plain` or `fused`.
-    pub arithmetic: &'static str,
-}
-
-impl Lane {
-    /// The value that stands for `L`.
-    pub fn of<L: Lanes<Elem: Precision>>() -> Self {
-        Self {
-            precision: <L::Elem as trisect_core::Float>::NAME,
-            width: L::N,
-            instruction_set: L::Token::INSTRUCTION_SET,
-            arithmetic: if L::FUSED { "fused" } else { "plain" },
-        }
-    }
-}
-
-/// Which variant of a method a kernel is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Variant {
-    /// Precision, width, instruction set, arithmetic.
-    pub lane: Lane,
-    /// `early` or `deferred`.
-    pub division: &'static str,
-    /// `true` or `newton`.
-    pub reciprocal: &'static str,
-}
+use crate::variant::Variant;
 
 /// Triangles and rays, prepared for the kernels of one method and precision.
 pub struct Scene {
@@ -138,12 +70,6 @@ pub struct Tally {
 pub struct Kernel {
     /// The variant.
     pub variant: Variant,
-    /// Which way round the lanes are used.
-    pub arrangement: Arrangement,
-    /// Whether a test ends as soon as no lane can hit.
-    pub early_out: bool,
-    /// What is asked of a hit.
-    pub needs: Output,
     run: fn(&Scene) -> Tally,
 }
 
@@ -157,10 +83,7 @@ impl Kernel {
         A: Arrange,
     {
         Self {
-            variant: variant::<L, D>(),
-            arrangement: A::ARRANGEMENT,
-            early_out: D::EARLY_OUT,
-            needs: N::OUTPUT,
+            variant: Variant::of::<M, L, D>(A::ARRANGEMENT, N::OUTPUT),
             run: M::tally::<L, D, N, A>,
         }
     }
@@ -176,13 +99,10 @@ impl Kernel {
     /// When the processor lacks the variant's instructions, the scene was prepared for another
     /// method or precision, or its rays lack what the arrangement says that they share.
     pub fn run(&self, scene: &Scene) -> Tally {
-        assert!(self.arrangement.serves(scene.common), "the rays do not share what they must");
+        let serves = self.variant.arrangement.serves(scene.common);
+        assert!(serves, "the rays do not share what they must");
         (self.run)(scene)
     }
-}
-
-fn variant<L: Lanes<Elem: Precision>, D: Division>() -> Variant {
-    Variant { lane: Lane::of::<L>(), division: D::NAME, reciprocal: D::RECIPROCAL }
 }
 
 fn token<L: Lanes>() -> L::Token {
@@ -468,7 +388,7 @@ pub type Find<'a> = dyn FnMut(usize, u32, Hit<f64>) -> ControlFlow<()> + 'a;
 
 /// A kernel for answers: hands out every hit of every ray.
 pub struct Finder {
-    /// The variant.
+    /// The variant: one ray at a time, early-out, asked for the fullest hit that the method gives.
     pub variant: Variant,
     find: Run,
     /// For methods that claim to be exact.
@@ -484,7 +404,8 @@ impl Finder {
         let find_packets: Option<Run> =
             if const { M::INFO.claims.exact } { Some(M::find_packets::<L, D>) } else { None };
         let order = <M as Instances>::order::<L::Elem>;
-        Self { variant: variant::<L, D>(), find: M::find::<L, D>, find_packets, order }
+        let variant = Variant::of::<M, L, D>(Arrangement::OneRay, M::INFO.fullest());
+        Self { variant, find: M::find::<L, D>, find_packets, order }
     }
 
     /// Calls `found` for each hit of each ray of `scene`, ray by ray; the triangles of a ray come

@@ -6,15 +6,18 @@
 
 mod kernel;
 mod matrix;
+mod variant;
 
 use std::sync::OnceLock;
 
 use trisect_core::{
-    Cost, Hit, Method, MethodInfo, MethodVisitor, Precision, Ray, Triangle, UnsuitableMesh, cost,
+    Cost, Form, Hit, Method, MethodInfo, MethodVisitor, Precision, Ray, Triangle, UnsuitableMesh,
+    cost,
 };
 
 use kernel::Instances as _;
-pub use kernel::{Arrangement, Find, Finder, Kernel, Lane, Scene, Tally, Variant};
+pub use kernel::{Find, Finder, Kernel, Scene, Tally};
+pub use variant::{Lane, Variant};
 
 pub use trisect_tracer::{Builder, Leaves, Statistics, Tracing, Tree, TriangleHit, fast_lanes};
 
@@ -33,7 +36,7 @@ pub struct Entry {
     /// Its f64 kernels.
     pub f64: Kernels<f64>,
     /// Its f32 tests as a processor runs them that flushes subnormal numbers to zero, by the division.
-    pub flushing: Vec<(&'static str, FlushingTest)>,
+    pub flushing: Vec<(Form, FlushingTest)>,
     /// The stages of which one decides a pair, the cheapest first; none where all pairs go one way.
     pub stages: &'static [&'static str],
     /// Puts triangles in a tree, prepared for the method, or says why it cannot take them.
@@ -130,32 +133,23 @@ impl<E: Precision> Kernels<E> {
         self.finders
             .iter()
             .chain(&self.deciders)
-            .find(|finder| finder.variant == kernel.variant)
+            .find(|finder| finder.variant.computes_like(&kernel.variant))
             .expect("every timed variant has a finder")
     }
 
-    /// The divisions that the method has, the one that decides without quotients first.
-    pub fn divisions(&self) -> impl Iterator<Item = &'static str> {
-        ["deferred", "early"].into_iter().filter(|division| {
-            self.finders.iter().any(|finder| finder.variant.division == *division)
-        })
-    }
-
-    /// The finder of the plain variant of that width, division and reciprocal `true`: of the
-    /// widest that this processor has, where no width is given, and of the first of
-    /// [`divisions`](Kernels::divisions), where no division is. Plain finders of all widths give the
-    /// same bits.
-    pub fn plain_finder(&self, width: Option<usize>, division: Option<&str>) -> Option<&Finder> {
-        let division = division.or_else(|| self.divisions().next())?;
+    /// The finder of the plain variant of that width and form: of the widest that this processor has,
+    /// where no width is given, and of the form that decides without quotients, where no form is given
+    /// and the method has it. Plain finders of all widths give the same bits.
+    pub fn plain_finder(&self, width: Option<usize>, form: Option<Form>) -> Option<&Finder> {
         self.finders
             .iter()
-            .filter(|finder| {
-                let Variant { lane, division: d, reciprocal } = finder.variant;
-                lane.arithmetic == "plain"
-                    && d == division
-                    && reciprocal == "true"
-                    && width.map_or(lane.instruction_set.is_available(), |w| lane.width == w)
+            .filter(|Finder { variant, .. }| {
+                variant.is_plain()
+                    && form.is_none_or(|form| variant.division == form)
+                    && width.map_or(variant.is_available(), |width| variant.width == width)
             })
-            .max_by_key(|finder| finder.variant.lane.width)
+            .max_by_key(|Finder { variant, .. }| {
+                (variant.width, variant.division == Form::Deferred)
+            })
     }
 }

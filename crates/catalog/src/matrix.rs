@@ -10,8 +10,8 @@ use std::marker::PhantomData;
 
 use trisect_core::{
     Barycentrics, CommonDirection, CommonOrigin, DecisionOnly, Deferred, Distance, Division, Early,
-    InstructionSet, Lanes, LanesVisitor, Method, Needs, Newton, Normal, Occlusion, Output, Point,
-    Precision, Token, TrueDivision,
+    Form, InstructionSet, Lanes, LanesVisitor, Method, Needs, Newton, Normal, Occlusion, Output,
+    Point, Precision, Token, TrueDivision,
 };
 
 use crate::kernel::{Arrange, Finder, Instances as _, Kernel, OneRay, OneTriangle, Scene};
@@ -34,13 +34,13 @@ pub(crate) fn kernels<M: Method, E: Precision>() -> Kernels<E> {
 }
 
 /// The tests of a method in flushing arithmetic.
-pub(crate) fn flushing<M: Method>() -> Vec<(&'static str, FlushingTest)> {
+pub(crate) fn flushing<M: Method>() -> Vec<(Form, FlushingTest)> {
     let mut tests: Vec<(_, FlushingTest)> = Vec::new();
     if const { M::INFO.forms.early() } {
-        tests.push(("early", M::flushing::<Early<TrueDivision, true>>));
+        tests.push((Form::Early, M::flushing::<Early<TrueDivision, true>>));
     }
     if const { M::INFO.forms.deferred() } {
-        tests.push(("deferred", M::flushing::<Deferred<TrueDivision, true>>));
+        tests.push((Form::Deferred, M::flushing::<Deferred<TrueDivision, true>>));
     }
     tests
 }
@@ -155,13 +155,7 @@ impl<M: Method> Collect<M> {
     /// Keeps a kernel unless there is one like it: for a method without barycentrics `t` is the
     /// fullest hit, and a need as well.
     fn push_once(&mut self, kernel: Kernel) {
-        let same = |other: &Kernel| {
-            other.variant == kernel.variant
-                && other.arrangement == kernel.arrangement
-                && other.early_out == kernel.early_out
-                && other.needs == kernel.needs
-        };
-        if !self.timed.iter().any(same) {
+        if self.timed.iter().all(|other| other.variant != kernel.variant) {
             self.timed.push(kernel);
         }
     }

@@ -6,11 +6,12 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use trisect_catalog::Builder;
+use trisect_core::{FloatFormat, Form, Output};
 use trisect_mesh::ReadOptions;
 use trisect_render::Sampling;
 
-pub(crate) use values::{Cull, Division, Light, Needs, Precision, Width};
-use values::{builders, count, error, positive, seconds, size};
+pub(crate) use values::{Cull, Light, Width};
+use values::{builders, count, error, named, positive, seconds, size};
 
 /// Compares ray–triangle intersection methods on this machine: error against run time.
 ///
@@ -151,8 +152,8 @@ pub(crate) struct Rank {
     #[arg(value_name = "FILE")]
     pub record: PathBuf,
     /// What is asked of a hit; all if left out
-    #[arg(long)]
-    pub needs: Option<Needs>,
+    #[arg(long, value_parser = named::<Output>())]
+    pub needs: Option<Output>,
     /// Only this workload
     #[arg(long, value_name = "NAME")]
     pub workload: Option<String>,
@@ -365,14 +366,14 @@ pub(crate) struct Query {
     #[arg(long, value_name = "NAME")]
     pub method: String,
     /// Floats that answers are computed in; what files hold in f64 is rounded for f32, and kept for f64
-    #[arg(long, default_value = "f32")]
-    pub precision: Precision,
+    #[arg(long, default_value = "f32", value_parser = named::<FloatFormat>())]
+    pub precision: FloatFormat,
     /// Lanes; a width stands for the instruction set that it is native to, native for the widest
     #[arg(long, default_value = "native")]
     pub width: Width,
     /// When to divide [default: deferred where the method has that, else early]
-    #[arg(long)]
-    pub division: Option<Division>,
+    #[arg(long, value_parser = named::<Form>())]
+    pub division: Option<Form>,
     /// Faces not to see
     #[arg(long, default_value = "none")]
     pub cull: Cull,
@@ -447,8 +448,8 @@ pub(crate) struct Recommend {
     #[arg(long, value_name = "FILE")]
     pub rays: Option<PathBuf>,
     /// What is asked of a hit
-    #[arg(long, default_value = "barycentrics")]
-    pub needs: Needs,
+    #[arg(long, default_value = "barycentrics", value_parser = named::<Output>())]
+    pub needs: Output,
     /// The largest error allowed: relative of t, absolute of barycentrics
     #[arg(long, value_name = "X", value_parser = error)]
     pub max_error: Option<f64>,

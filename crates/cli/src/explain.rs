@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow};
 use serde::Serialize;
-use trisect_core::{Output, Triangle};
+use trisect_core::{Form, Output, Triangle};
 use trisect_harness::{Candidate, Explanation, Inputs, Omission, RecommendSettings};
 use trisect_render::{Settings, Stage};
 
@@ -28,7 +28,7 @@ struct Report {
     open_edges: usize,
     method: &'static str,
     /// The form that leaves test triangles in.
-    division: &'static str,
+    division: Form,
     instruction_set: &'static str,
     lanes: usize,
     builder: &'static str,
@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &Explain) -> Result<()> {
         open_edges: triangles.iter().map(|of_tree| trisect_harness::open_edges(of_tree)).sum(),
         trees: stage.trees().count(),
         method: entry.info.name,
-        division: entry.f32.divisions().next().unwrap_or_default(),
+        division: entry.info.forms.preferred(),
         instruction_set: instruction_set.name(),
         lanes,
         builder: arguments.builder.name(),

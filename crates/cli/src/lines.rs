@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use trisect_harness::record::Variant;
+use trisect_catalog::Variant;
+use trisect_core::{Arrangement, Form, InstructionSet, MultiplyAdd, Output, ReciprocalKind};
 
 use crate::records::COLUMNS;
 
@@ -21,31 +22,40 @@ struct Names {
 
 impl Names {
     fn of(variant: &Variant) -> Self {
-        let Variant { precision, width, arrangement, early_out, .. } = variant;
-        let token = match variant.instruction_set.as_str() {
-            "scalar" => None,
-            "sse2" => Some(("x86", "Sse2")),
-            "sse4.2" => Some(("x86", "Sse4_2")),
-            "avx2" => Some(("x86", "Avx2")),
-            "avx512" => Some(("x86", "Avx512")),
-            _ => Some(("aarch64", "Neon")),
+        let Variant { precision, width, early_out, .. } = variant;
+        let token = match variant.instruction_set {
+            InstructionSet::Scalar => None,
+            InstructionSet::Sse2 => Some(("x86", "Sse2")),
+            InstructionSet::Sse42 => Some(("x86", "Sse4_2")),
+            InstructionSet::Avx2 => Some(("x86", "Avx2")),
+            InstructionSet::Avx512 => Some(("x86", "Avx512")),
+            InstructionSet::Neon => Some(("aarch64", "Neon")),
         };
-        let arithmetic = if variant.arithmetic == "fused" { "Fused" } else { "Plain" };
+        let arithmetic = match variant.arithmetic {
+            MultiplyAdd::Plain => "Plain",
+            MultiplyAdd::Fused => "Fused",
+        };
         let lanes = token.map_or_else(
-            || precision.clone(),
+            || precision.to_string(),
             |(_, token)| format!("Vector<{token}, {precision}x{width}<{token}>, {arithmetic}>"),
         );
-        let form = if variant.division == "early" { "Early" } else { "Deferred" };
-        let reciprocal = if variant.reciprocal == "newton" { "Newton" } else { "TrueDivision" };
+        let form = match variant.division {
+            Form::Early => "Early",
+            Form::Deferred => "Deferred",
+        };
+        let reciprocal = match variant.reciprocal {
+            ReciprocalKind::True => "TrueDivision",
+            ReciprocalKind::Newton => "Newton",
+        };
         let mut division = format!("{form}<{reciprocal}, {early_out}>");
-        if variant.needs == "occlusion" {
+        if variant.needs == Output::Occlusion {
             division = format!("DecisionOnly<{division}>");
         }
-        let (kernel, shared) = match arrangement.as_str() {
-            "one-ray" => ("one_ray", ""),
-            "one-triangle" => ("one_triangle", ""),
-            "common-origin" => ("shared_packets", ", CommonOrigin"),
-            _ => ("shared_packets", ", CommonDirection"),
+        let (kernel, shared) = match variant.arrangement {
+            Arrangement::OneRay => ("one_ray", ""),
+            Arrangement::OneTriangle => ("one_triangle", ""),
+            Arrangement::CommonOrigin => ("shared_packets", ", CommonOrigin"),
+            Arrangement::CommonDirection => ("shared_packets", ", CommonDirection"),
         };
         let rays = if kernel == "one_ray" { "Ray" } else { "Packets" };
         let types = division.split(|c: char| !c.is_alphanumeric());
@@ -163,25 +173,9 @@ mod tests {
     use std::path::Path;
     use std::process::Command;
 
-    use trisect_catalog::{Kernel, entries};
+    use trisect_catalog::entries;
 
     use super::*;
-
-    fn variant(method: &str, kernel: &Kernel) -> Variant {
-        let lane = kernel.variant.lane;
-        Variant {
-            method: method.to_owned(),
-            precision: lane.precision.to_owned(),
-            width: lane.width,
-            instruction_set: lane.instruction_set.name().to_owned(),
-            arithmetic: lane.arithmetic.to_owned(),
-            arrangement: kernel.arrangement.name().to_owned(),
-            division: kernel.variant.division.to_owned(),
-            reciprocal: kernel.variant.reciprocal.to_owned(),
-            early_out: kernel.early_out,
-            needs: kernel.needs.name().to_owned(),
-        }
-    }
 
     /// Whatever is recommended: one kernel of every method, and every kernel of one.
     #[test]
@@ -191,8 +185,7 @@ mod tests {
             let kernels = entry.f32.timed.iter().chain(&entry.f64.timed);
             let count = if number == 0 { usize::MAX } else { 1 };
             for kernel in kernels.take(count) {
-                programs
-                    .insert(format!("p{}", programs.len()), of(&variant(entry.info.name, kernel)));
+                programs.insert(format!("p{}", programs.len()), of(&kernel.variant));
             }
         }
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use serde::Serialize;
 use trisect_catalog::{Entry, entries};
-use trisect_core::InstructionSet;
+use trisect_core::{Form, Input, InstructionSet, Output};
 use trisect_harness::machine;
 
 use crate::arguments::List;
@@ -15,7 +15,7 @@ struct Listing {
     /// Of f32.
     widths: Vec<usize>,
     widths_f64: Vec<usize>,
-    instruction_sets: Vec<&'static str>,
+    instruction_sets: Vec<InstructionSet>,
 }
 
 #[derive(Serialize)]
@@ -23,9 +23,9 @@ struct Method {
     name: &'static str,
     title: &'static str,
     year: u16,
-    input: &'static str,
-    outputs: Vec<&'static str>,
-    divisions: Vec<&'static str>,
+    input: Input,
+    outputs: &'static [Output],
+    divisions: &'static [Form],
     watertight: bool,
     exact: bool,
     stored_numbers: usize,
@@ -36,8 +36,8 @@ impl Method {
     /// What a hit can be asked for, but for what every method gives, and what is claimed.
     fn gives(&self) -> String {
         let mut words = vec!["t"];
-        let more = ["barycentrics", "normal"].into_iter().filter(|w| self.outputs.contains(w));
-        words.extend(more);
+        let more = [Output::Barycentrics, Output::Normal].into_iter();
+        words.extend(more.filter(|output| self.outputs.contains(output)).map(Output::name));
         if self.watertight {
             words.push("watertight");
         }
@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &List) -> Result<()> {
         methods: entries().iter().map(Method::from).collect(),
         widths: entries().first().map_or_else(Vec::new, |entry| widths(&entry.f32.finders)),
         widths_f64: entries().first().map_or_else(Vec::new, |entry| widths(&entry.f64.finders)),
-        instruction_sets: machine::instruction_sets().map(InstructionSet::name).collect(),
+        instruction_sets: machine::instruction_sets().collect(),
     };
     output::print_as(arguments.json, &listing, |out| {
         for method in &listing.methods {
@@ -71,7 +71,8 @@ pub(crate) fn run(arguments: &List) -> Result<()> {
         writeln!(out)?;
         writeln!(out, "f32 widths        {}", numbers(&listing.widths))?;
         writeln!(out, "f64 widths        {}", numbers(&listing.widths_f64))?;
-        writeln!(out, "instruction sets  {}", listing.instruction_sets.join(" "))
+        let sets: Vec<_> = listing.instruction_sets.iter().map(|set| set.name()).collect();
+        writeln!(out, "instruction sets  {}", sets.join(" "))
     })
 }
 
@@ -79,9 +80,8 @@ pub(crate) fn run(arguments: &List) -> Result<()> {
 pub(crate) fn widths(finders: &[trisect_catalog::Finder]) -> Vec<usize> {
     let mut widths: Vec<usize> = finders
         .iter()
-        .map(|finder| finder.variant.lane)
-        .filter(|lane| lane.instruction_set.is_available())
-        .map(|lane| lane.width)
+        .filter(|finder| finder.variant.is_available())
+        .map(|finder| finder.variant.width)
         .collect();
     widths.sort_unstable();
     widths.dedup();
@@ -94,9 +94,9 @@ impl From<&Entry> for Method {
             name: entry.info.name,
             title: entry.info.title,
             year: entry.info.year,
-            input: entry.info.input.name(),
-            outputs: entry.info.outputs.iter().map(|output| output.name()).collect(),
-            divisions: entry.f32.divisions().collect(),
+            input: entry.info.input,
+            outputs: entry.info.outputs,
+            divisions: entry.info.forms.list(),
             watertight: entry.info.claims.watertight,
             exact: entry.info.claims.exact,
             stored_numbers: entry.cost.stored_numbers,

@@ -6,14 +6,14 @@ use std::sync::Arc;
 use anyhow::{Result, anyhow, bail};
 use rayon::prelude::*;
 use serde::Serialize;
-use trisect_catalog::{Builder, Entry, Finder, Kernels, Lane, Tracing, TriangleHit};
+use trisect_catalog::{Builder, Entry, Finder, Kernels, Tracing, TriangleHit, Variant};
 use trisect_core::{
-    Culling, Hit, Output, Precision, Ray, Scalar as _, Triangle, UnsuitableMesh, Vec3,
+    Culling, FloatFormat, Hit, Output, Precision, Ray, Scalar as _, Triangle, UnsuitableMesh, Vec3,
 };
 use trisect_oracle::{Exact, Oracle};
 use trisect_workloads::{Mesh, RaysFile};
 
-use crate::arguments::{self, Query};
+use crate::arguments::Query;
 use crate::{list, output, tasks};
 
 /// The name that stands for the exact truth.
@@ -55,7 +55,7 @@ enum Line<E> {
 
 pub(crate) fn run(arguments: &Query) -> Result<()> {
     match arguments.precision {
-        arguments::Precision::F32 => {
+        FloatFormat::F32 => {
             // The tree decides as the form does that decides without quotients.
             let in_tree = !arguments.brute_force && arguments.division.is_none();
             answer(
@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &Query) -> Result<()> {
                 in_tree.then_some(in_tree_of),
             )
         }
-        arguments::Precision::F64 => {
+        FloatFormat::F64 => {
             let triangles = |mesh: &Mesh| {
                 tasks::say_degenerate(&arguments.mesh, mesh.degenerate_f64(), mesh);
                 mesh.triangles_f64()
@@ -94,7 +94,7 @@ fn answer<E: Precision + Serialize>(
     } else {
         let entry = tasks::method(&arguments.method)?;
         let kernels = kernels(entry);
-        Some((entry, kernels, choose(arguments, kernels)?))
+        Some((entry, kernels, choose(arguments, entry, kernels)?))
     };
     let triangles = triangles(&tasks::read_mesh(&arguments.mesh, &arguments.reading)?);
     let rays = rays(tasks::load_rays(&arguments.rays, &arguments.reading)?);
@@ -162,28 +162,29 @@ fn in_tree_of(
 /// The finder of the width and division asked for.
 fn choose<E: Precision>(
     arguments: &Query,
+    entry: &Entry,
     kernels: &'static Kernels<E>,
 ) -> Result<&'static Finder> {
     let here = list::widths(&kernels.finders).iter().map(usize::to_string).collect::<Vec<_>>();
     let here = here.join(", ");
-    let precision = arguments.precision.name();
+    let precision = arguments.precision;
     let width = arguments.width.lanes();
-    let division = arguments.division.map(arguments::Division::name);
-    if let Some(division) = division
-        && kernels.divisions().all(|other| other != division)
+    let forms = entry.info.forms.list();
+    if let Some(division) = arguments.division
+        && !forms.contains(&division)
     {
-        let other: Vec<_> = kernels.divisions().collect();
+        let other: Vec<_> = forms.iter().map(|form| form.name()).collect();
         bail!(
             "{} has no {division} division; leave --division out or use {}",
             arguments.method,
             other.join(", ")
         );
     }
-    let Some(finder) = kernels.plain_finder(width, division) else {
+    let Some(finder) = kernels.plain_finder(width, arguments.division) else {
         let width = width.map_or("native".to_owned(), |width| width.to_string());
         bail!("{precision} has no width {width}; use --width native or one of {here}");
     };
-    let Lane { width, instruction_set, .. } = finder.variant.lane;
+    let Variant { width, instruction_set, .. } = &finder.variant;
     if !instruction_set.is_available() {
         bail!(
             "{precision} width {width} stands for {instruction_set}, which this processor lacks; \

@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &Recommend) -> Result<()> {
     };
     let settings = RecommendSettings {
         seed: arguments.seed,
-        needs: arguments.needs.into(),
+        needs: arguments.needs,
         max_error: arguments.max_error,
         watertight: arguments.watertight,
         in_tracer: false,

@@ -21,10 +21,7 @@ pub(crate) const COLUMNS: usize = 80;
 
 pub(crate) fn rank(arguments: &Rank) -> Result<()> {
     let records = read(&arguments.record)?;
-    let filter = Filter {
-        needs: arguments.needs.map(|needs| needs.name().to_owned()),
-        workload: arguments.workload.clone(),
-    };
+    let filter = Filter { needs: arguments.needs, workload: arguments.workload.clone() };
     let ranking = trisect_report::rank(&records, &filter);
     if ranking.entries.is_empty() {
         bail!("{}: {}", arguments.record.display(), nothing_to_rank(&records, &filter));

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use anyhow::Result;
+use trisect_core::{MultiplyAdd, ReciprocalKind};
 use trisect_harness::Settings;
 use trisect_harness::record::{Decisions, Error, Quantiles, Record, Records, Variant};
 
@@ -139,12 +140,18 @@ fn wrong(decisions: &Decisions) -> (u64, u64) {
 
 /// Precision, width, arithmetic and division in 30 columns.
 fn label(variant: &Variant) -> String {
-    let newton = if variant.reciprocal == "newton" { " newton" } else { "" };
+    let newton = match variant.reciprocal {
+        ReciprocalKind::True => "",
+        ReciprocalKind::Newton => " newton",
+    };
     format!(
         "{}×{}{} {}{newton}",
         variant.precision,
         variant.width,
-        if variant.arithmetic == "fused" { " fused" } else { "" },
+        match variant.arithmetic {
+            MultiplyAdd::Plain => "",
+            MultiplyAdd::Fused => " fused",
+        },
         variant.division,
     )
 }

@@ -6,6 +6,7 @@ use crate::geometry::{Hit, Ray};
 use crate::lanes::{Lanes, Scalar};
 use crate::method::{Homogeneous, Method};
 use crate::record::Of;
+use crate::variant::{Form, ReciprocalKind};
 use crate::weights::Alpha as _;
 
 /// The values of `t` that count as hits: `tmin ≤ t ≤ tmax`.
@@ -69,8 +70,8 @@ impl Culling {
 
 /// How `1 / x` is computed.
 pub trait Reciprocal: 'static {
-    /// The name used in records.
-    const NAME: &'static str;
+    /// Which way it is.
+    const KIND: ReciprocalKind;
     /// `1 / x`
     fn reciprocal<L: Lanes>(x: L) -> L;
 }
@@ -79,7 +80,7 @@ pub trait Reciprocal: 'static {
 pub struct TrueDivision;
 
 impl Reciprocal for TrueDivision {
-    const NAME: &'static str = "true";
+    const KIND: ReciprocalKind = ReciprocalKind::True;
     #[inline(always)]
     fn reciprocal<L: Lanes>(x: L) -> L {
         x.constant(L::Elem::from_f64(1.0)) / x
@@ -91,7 +92,7 @@ impl Reciprocal for TrueDivision {
 pub struct Newton;
 
 impl Reciprocal for Newton {
-    const NAME: &'static str = "newton";
+    const KIND: ReciprocalKind = ReciprocalKind::Newton;
     #[inline(always)]
     fn reciprocal<L: Lanes>(x: L) -> L {
         let one = x.constant(L::Elem::from_f64(1.0));
@@ -109,10 +110,10 @@ impl Reciprocal for Newton {
 
 /// When the division comes, and whether a test ends as soon as no lane can hit.
 pub trait Division: 'static {
-    /// `early` or `deferred`
-    const NAME: &'static str;
-    /// Name of the [`Reciprocal`].
-    const RECIPROCAL: &'static str;
+    /// When it comes.
+    const FORM: Form;
+    /// How `1 / x` is computed.
+    const RECIPROCAL: ReciprocalKind;
     /// Whether a test ends as soon as no lane can hit.
     const EARLY_OUT: bool;
     /// Whether the values of a hit are asked for; where not, `found` gets numbers that mean nothing.
@@ -145,8 +146,8 @@ pub trait Division: 'static {
 pub struct Early<R, const EARLY_OUT: bool>(core::marker::PhantomData<R>);
 
 impl<R: Reciprocal, const EARLY_OUT: bool> Division for Early<R, EARLY_OUT> {
-    const NAME: &'static str = "early";
-    const RECIPROCAL: &'static str = R::NAME;
+    const FORM: Form = Form::Early;
+    const RECIPROCAL: ReciprocalKind = R::KIND;
     const EARLY_OUT: bool = EARLY_OUT;
 
     #[inline(always)]
@@ -191,8 +192,8 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Early<R, EARLY_OUT> {
 pub struct Deferred<R, const EARLY_OUT: bool>(core::marker::PhantomData<R>);
 
 impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
-    const NAME: &'static str = "deferred";
-    const RECIPROCAL: &'static str = R::NAME;
+    const FORM: Form = Form::Deferred;
+    const RECIPROCAL: ReciprocalKind = R::KIND;
     const EARLY_OUT: bool = EARLY_OUT;
 
     #[inline(always)]
@@ -222,12 +223,12 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
     }
 }
 
-/// Division `D` for who asks whether there is a hit, and nothing of it.
+/// Division `D` for a caller that asks whether there is a hit, and for no value of it.
 pub struct DecisionOnly<D>(core::marker::PhantomData<D>);
 
 impl<D: Division> Division for DecisionOnly<D> {
-    const NAME: &'static str = D::NAME;
-    const RECIPROCAL: &'static str = D::RECIPROCAL;
+    const FORM: Form = D::FORM;
+    const RECIPROCAL: ReciprocalKind = D::RECIPROCAL;
     const EARLY_OUT: bool = D::EARLY_OUT;
     const VALUES: bool = false;
 

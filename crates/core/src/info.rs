@@ -1,5 +1,8 @@
 //! Facts about a method, for lists, pages and records.
 
+use crate::named::named;
+use crate::variant::Form;
+
 /// Facts about a method, for lists, pages and records.
 ///
 /// A method writes what differs from [`MethodInfo::USUAL`].
@@ -57,47 +60,35 @@ impl MethodInfo {
     }
 }
 
-/// What a triangle is given as.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Input {
-    /// Its three points; nothing is prepared.
-    Points,
-    /// Its three points and their normal.
-    PointsAndNormal,
-    /// Data prepared for the method.
-    Prepared,
-}
-
-impl Input {
-    /// The name used in lists and records.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Points => "points",
-            Self::PointsAndNormal => "points-and-normal",
-            Self::Prepared => "prepared",
-        }
+named! {
+    /// What a triangle is given as.
+    pub enum Input {
+        /// Its three points; nothing is prepared.
+        Points = "points",
+        /// Its three points and their normal.
+        PointsAndNormal = "points-and-normal",
+        /// Data prepared for the method.
+        Prepared = "prepared",
     }
 }
 
-/// What a hit can be asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Output {
-    /// Whether there is one.
-    Occlusion,
-    /// `t`
-    T,
-    /// `t`, `beta` and `gamma`.
-    Barycentrics,
-    /// The point, in the coordinates of ray and triangle.
-    Point,
-    /// The triangle's normal `(B − A) × (C − A)`, with its length.
-    Normal,
+named! {
+    /// What a hit can be asked for.
+    pub enum Output {
+        /// Whether there is one.
+        Occlusion = "occlusion",
+        /// `t`
+        T = "t",
+        /// `t`, `beta` and `gamma`.
+        Barycentrics = "barycentrics",
+        /// The point, in the coordinates of ray and triangle.
+        Point = "point",
+        /// The triangle's normal `(B − A) × (C − A)`, with its length.
+        Normal = "normal",
+    }
 }
 
 impl Output {
-    /// All of them.
-    pub const ALL: &'static [Self] =
-        &[Self::Occlusion, Self::T, Self::Barycentrics, Self::Point, Self::Normal];
     /// Of a method that does not keep the normal.
     pub const ALL_BUT_NORMAL: &'static [Self] =
         &[Self::Occlusion, Self::T, Self::Barycentrics, Self::Point];
@@ -106,17 +97,6 @@ impl Output {
     /// Of a method that decides without weights and keeps the normal.
     pub const FLAG_T_AND_NORMAL: &'static [Self] =
         &[Self::Occlusion, Self::T, Self::Point, Self::Normal];
-
-    /// The name used in lists and records.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Occlusion => "occlusion",
-            Self::T => "t",
-            Self::Barycentrics => "barycentrics",
-            Self::Point => "point",
-            Self::Normal => "normal",
-        }
-    }
 }
 
 /// Which forms of the division a method has.
@@ -131,7 +111,12 @@ pub enum Forms {
 }
 
 impl MethodInfo {
-    /// Whether who asks for no values is answered by numerators that no listed form computes.
+    /// The most that any caller may ask of a hit: barycentrics where the method gives them, else `t`.
+    pub const fn fullest(&self) -> Output {
+        if self.gives(Output::Barycentrics) { Output::Barycentrics } else { Output::T }
+    }
+
+    /// Whether a caller that asks for no values is answered by numerators that no listed form computes.
     pub const fn decides_apart(&self) -> bool {
         !self.forms.deferred() && !self.always_divides
     }
@@ -145,6 +130,18 @@ impl Forms {
     /// Whether the deferred form is there.
     pub const fn deferred(self) -> bool {
         !matches!(self, Self::Early)
+    }
+    /// The form that decides without quotients where it is there, else the other.
+    pub const fn preferred(self) -> Form {
+        if self.deferred() { Form::Deferred } else { Form::Early }
+    }
+    /// The forms that are there, the preferred one first.
+    pub const fn list(self) -> &'static [Form] {
+        match self {
+            Self::Both => &[Form::Deferred, Form::Early],
+            Self::Early => &[Form::Early],
+            Self::Deferred => &[Form::Deferred],
+        }
     }
 }
 

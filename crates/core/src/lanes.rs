@@ -16,6 +16,7 @@ use crate::collinear;
 use crate::geometry::{Triangle, Vec3};
 use crate::number::Number;
 use crate::tier::Token;
+use crate::variant::FloatFormat;
 
 /// N numbers that move in step; N = 1 is the scalar.
 ///
@@ -165,8 +166,8 @@ pub trait Scalar:
 
 /// A machine float: `f32` or `f64`.
 pub trait Float: Scalar + SimdFloatElement {
-    /// The name of the type.
-    const NAME: &'static str;
+    /// The format that the type has.
+    const FORMAT: FloatFormat;
     /// The sign bit alone.
     const SIGN: <Self as SimdFloatElement>::Bits;
     /// Bits of the significand: 24 or 53.
@@ -255,7 +256,7 @@ macro_rules! single_lane {
 }
 
 macro_rules! scalar {
-    ($float:ident, $bits:ident, $splitter:literal) => {
+    ($float:ident, $format:ident, $bits:ident, $splitter:literal) => {
         single_lane!($float {
             #[inline(always)]
             fn reciprocal_estimate(self) -> Self {
@@ -307,7 +308,7 @@ macro_rules! scalar {
         }
 
         impl Float for $float {
-            const NAME: &'static str = stringify!($float);
+            const FORMAT: FloatFormat = FloatFormat::$format;
             const SIGN: $bits = 1 << ($bits::BITS - 1);
             const SIGNIFICANT_BITS: i32 = $float::MANTISSA_DIGITS.cast_signed();
             const UNIT_ROUNDOFF: f64 = $float::EPSILON as f64 / 2.0;
@@ -327,8 +328,8 @@ macro_rules! scalar {
         }
     };
 }
-scalar!(f32, u32, 4_097.0);
-scalar!(f64, u64, 134_217_729.0);
+scalar!(f32, F32, u32, 4_097.0);
+scalar!(f64, F64, u64, 134_217_729.0);
 
 /// How `a · b + c` rounds.
 pub trait Arithmetic: Copy + Debug + Send + Sync + 'static {

@@ -14,6 +14,7 @@ mod input;
 mod kernel;
 mod lanes;
 mod method;
+mod named;
 mod needs;
 mod number;
 mod planes;
@@ -21,6 +22,7 @@ mod prepared;
 mod record;
 mod single;
 mod tier;
+mod variant;
 mod weights;
 
 pub use cost::{Cost, cost};
@@ -41,13 +43,13 @@ pub use kernel::{
 };
 pub use lanes::{Arithmetic, Float, Fused, Lanes, Plain, Scalar, Vector};
 pub use method::{Homogeneous, Method, MethodVisitor, Quotients, RayParts, Screened};
+pub use named::Named;
 pub use needs::{Barycentrics, Distance, Needs, Normal, Occlusion, Point};
 pub use number::Number;
 pub use planes::{Functions, MappedRay, PlaneFirst, Slopes, ThreePlanes};
-pub use prepared::{
-    BLOCK, Common, PADDING, Packets, PreparedTriangles, UnsuitableMesh, common_projection_axis,
-};
+pub use prepared::{BLOCK, Common, PADDING, Packets, PreparedTriangles, UnsuitableMesh};
 pub use record::{Of, Record, Value, field, rows};
 pub use single::{PreparedPair, intersect, intersect_with};
 pub use tier::{InstructionSet, LanesVisitor, Precision, Token};
+pub use variant::{Arrangement, FloatFormat, Form, MultiplyAdd, ReciprocalKind};
 pub use weights::{Alpha, Given, Implied};

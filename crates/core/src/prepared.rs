@@ -1,9 +1,10 @@
 //! Triangles in blocks and rays in packets: structures of arrays of [`BLOCK`] that serve as
 //! 1×16, 2×8, 4×4 or 16×1 lanes.
 
+use core::error::Error;
 use core::fmt;
-
 use core::ops::Range;
+use std::sync::Arc;
 
 use crate::geometry::{Ray, Triangle, Vec3};
 use crate::lanes::{Lanes, Scalar};
@@ -29,59 +30,37 @@ pub struct PreparedTriangles<M: Method, E: Scalar> {
     groups: Vec<Range<usize>>,
 }
 
-/// A method cannot take a mesh.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct UnsuitableMesh {
-    /// What stands in the way, and what to do about it.
-    pub reason: String,
+/// A method cannot take a mesh: what stands in the way, and what to do about it, in the method's own error.
+#[derive(Clone, Debug)]
+pub struct UnsuitableMesh(Arc<dyn Error + Send + Sync>);
+
+impl UnsuitableMesh {
+    /// A mesh that a method cannot take for that reason.
+    pub fn new(reason: impl Error + Send + Sync + 'static) -> Self {
+        Self(Arc::new(reason))
+    }
 }
 
 impl fmt::Display for UnsuitableMesh {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.reason)
+        self.0.fmt(f)
     }
 }
 
-impl core::error::Error for UnsuitableMesh {}
+/// Equal where they say the same.
+impl PartialEq for UnsuitableMesh {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_string() == other.to_string()
+    }
+}
 
-/// The axis that all triangles of a mesh can be projected along: the one along which the least
-/// favourable triangle keeps the largest share of its area.
-///
-/// # Errors
-/// When every axis has a triangle that is parallel to it.
-pub fn common_projection_axis<X: Scalar>(
-    triangles: &[Triangle<X>],
-) -> Result<usize, UnsuitableMesh> {
-    let zero = X::from_f64(0.0);
-    let mut shares = [(X::from_f64(1.0), 0); 3];
-    for (number, triangle) in triangles.iter().enumerate() {
-        // What never hits does so whatever the axis.
-        let n = triangle.or_nothing().normal().map(X::abs);
-        let largest = n.to_array()[n.largest_axis()];
-        if largest > zero {
-            for (least, share) in shares.iter_mut().zip(n.map(|x| x / largest).to_array()) {
-                if share < least.0 {
-                    *least = (share, number);
-                }
-            }
-        }
+impl Eq for UnsuitableMesh {}
+
+impl Error for UnsuitableMesh {
+    // The reason is the message: its own cause is the next in the chain.
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.0.source()
     }
-    let mut best = 0;
-    for axis in 1..3 {
-        if shares[axis].0 > shares[best].0 {
-            best = axis;
-        }
-    }
-    if shares[best].0 > zero {
-        return Ok(best);
-    }
-    let [x, y, z] = shares.map(|(_, number)| number);
-    Err(UnsuitableMesh {
-        reason: format!(
-            "the triangles share no axis to be projected along: triangle {x} is parallel to x, \
-             {y} to y, {z} to z; use wald, which has an axis per triangle"
-        ),
-    })
 }
 
 impl<M: Method, E: Scalar> PreparedTriangles<M, E> {

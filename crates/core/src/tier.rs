@@ -1,45 +1,29 @@
 //! Instruction sets, chosen at run time, and the lane types that stand for them.
 
-use core::fmt;
-
 use fearless_simd::{Level, Simd};
 
 use crate::lanes::{Float, Lanes};
+use crate::named::named;
 
-/// The instructions that a kernel is compiled for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum InstructionSet {
-    /// One number at a time, with the instructions that every processor of the target has.
-    Scalar,
-    /// x86 baseline, 128 bits.
-    Sse2,
-    /// x86-64-v2, 128 bits.
-    Sse42,
-    /// x86-64-v3: AVX2 and fused multiply-add, 256 bits.
-    Avx2,
-    /// AVX-512 as of Ice Lake, 512 bits.
-    Avx512,
-    /// Arm, 128 bits.
-    Neon,
+named! {
+    /// The instructions that a kernel is compiled for, weakest first.
+    pub enum InstructionSet {
+        /// One number at a time, with the instructions that every processor of the target has.
+        Scalar = "scalar",
+        /// x86 baseline, 128 bits.
+        Sse2 = "sse2",
+        /// x86-64-v2, 128 bits.
+        Sse42 = "sse4.2",
+        /// x86-64-v3: AVX2 and fused multiply-add, 256 bits.
+        Avx2 = "avx2",
+        /// AVX-512 as of Ice Lake, 512 bits.
+        Avx512 = "avx512",
+        /// Arm, 128 bits.
+        Neon = "neon",
+    }
 }
 
 impl InstructionSet {
-    /// All of them, weakest first.
-    pub const ALL: [Self; 6] =
-        [Self::Scalar, Self::Sse2, Self::Sse42, Self::Avx2, Self::Avx512, Self::Neon];
-
-    /// The name used on the command line and in records.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Scalar => "scalar",
-            Self::Sse2 => "sse2",
-            Self::Sse42 => "sse4.2",
-            Self::Avx2 => "avx2",
-            Self::Avx512 => "avx512",
-            Self::Neon => "neon",
-        }
-    }
-
     /// Whether this processor has the instructions.
     pub fn is_available(self) -> bool {
         let level = Level::new();
@@ -61,12 +45,6 @@ impl InstructionSet {
                 false
             }
         }
-    }
-}
-
-impl fmt::Display for InstructionSet {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.name())
     }
 }
 

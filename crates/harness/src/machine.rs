@@ -27,7 +27,7 @@ pub fn facts() -> Machine {
     Machine {
         cpu: cpu.unwrap_or_else(|| "unknown processor".to_owned()),
         logical_cpus: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
-        instruction_sets: instruction_sets().map(|set| set.name().to_owned()).collect(),
+        instruction_sets: instruction_sets().collect(),
         platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
         compiler: env!("TRISECT_COMPILER").to_owned(),
         build: env!("TRISECT_BUILD").to_owned(),
@@ -37,7 +37,7 @@ pub fn facts() -> Machine {
 
 /// The instruction sets of this processor, weakest first.
 pub fn instruction_sets() -> impl Iterator<Item = InstructionSet> {
-    InstructionSet::ALL.into_iter().filter(|set| set.is_available())
+    InstructionSet::ALL.iter().copied().filter(|set| set.is_available())
 }
 
 /// The frequency of the core at this moment, in GHz, from a chain of dependent operations.

@@ -4,8 +4,11 @@ use std::time::{Instant, SystemTime};
 
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
-use trisect_catalog::{Arrangement, Entry, Finder, Kernel, Kernels, Scene, Variant};
-use trisect_core::{Claims, Float, Ops, Output, Precision, Ray, Triangle};
+use trisect_catalog::{Entry, Finder, Kernel, Kernels, Scene, Variant};
+use trisect_core::{
+    Arrangement, Claims, FloatFormat, MultiplyAdd, Ops, Output, Precision, Ray, ReciprocalKind,
+    Triangle,
+};
 
 use crate::answers::{Answers, Pair, QUANTITIES, Quantity};
 use crate::machine;
@@ -80,9 +83,9 @@ pub fn measure(
             year: entry.info.year,
             source: entry.info.source.to_owned(),
             stored_numbers: entry.cost.stored_numbers,
-            input: entry.info.input.name().to_owned(),
-            outputs: entry.info.outputs.iter().map(|o| o.name().to_owned()).collect(),
-            divisions: entry.f32.divisions().map(ToOwned::to_owned).collect(),
+            input: Some(entry.info.input),
+            outputs: entry.info.outputs.to_vec(),
+            divisions: entry.info.forms.list().to_vec(),
             claims: claims(entry.info.claims),
             cost: entry.cost.parts().map(part_cost).collect(),
         })
@@ -116,11 +119,11 @@ struct Run<'a> {
 /// One method in one precision on one subject: the answers of each finder that can run here.
 struct Answered {
     method: &'static str,
-    precision: &'static str,
+    precision: FloatFormat,
     significant_bits: i32,
     /// Whether the method gives barycentrics.
     weighs: bool,
-    variants: Vec<(Variant, Answers)>,
+    variants: Vec<(&'static Variant, Answers)>,
 }
 
 impl Run<'_> {
@@ -179,9 +182,9 @@ impl Run<'_> {
             Err(unsuitable) => {
                 let refusal = Record::Refusal(Refusal {
                     method: entry.info.name.to_owned(),
-                    precision: E::NAME.to_owned(),
+                    precision: E::FORMAT,
                     workload: workload.to_owned(),
-                    reason: unsuitable.reason,
+                    reason: unsuitable.to_string(),
                 });
                 if !self.lines.contains(&refusal) {
                     self.lines.push(refusal);
@@ -196,14 +199,14 @@ impl Run<'_> {
         &mut self,
         workload: &str,
         entry: &Entry,
-        kernels: &Kernels<E>,
+        kernels: &'static Kernels<E>,
         side: &Side<E>,
     ) -> Option<Answered> {
         let scene = self.scene(workload, entry, kernels, &side.rays, &side.triangles);
         self.progress.step();
         Some(Answered {
             method: entry.info.name,
-            precision: E::NAME,
+            precision: E::FORMAT,
             significant_bits: E::SIGNIFICANT_BITS,
             weighs: entry.info.gives(Output::Barycentrics),
             variants: answers_of_widest(&kernels.finders, &scene?),
@@ -221,7 +224,7 @@ impl Run<'_> {
                 for (variant, answers) in &answered.variants {
                     let (no_hit, many_hits) = answers.none_and_many(workload.rays);
                     self.lines.push(Record::Cracks(Cracks {
-                        variant: answered.record_variant(*variant),
+                        variant: (*variant).clone(),
                         workload: name.clone(),
                         rays: workload.rays,
                         no_hit,
@@ -236,10 +239,11 @@ impl Run<'_> {
         let truth_of = |precision| -> Vec<Pair> {
             subject.of(precision).known().truth.iter().map(Pair::from).collect()
         };
-        let truth = [f32::NAME, f64::NAME].map(|precision| (precision, truth_of(precision)));
+        let truth: Vec<(FloatFormat, Vec<Pair>)> =
+            FloatFormat::ALL.iter().map(|&precision| (precision, truth_of(precision))).collect();
         let reference = answered
             .iter()
-            .find(|a| a.method == REFERENCE && a.precision == f64::NAME)
+            .find(|a| a.method == REFERENCE && a.precision == FloatFormat::F64)
             .and_then(Answered::plain);
         // On other numbers than a method's the reference says nothing about the method.
         let methods = self.settings.methods.iter().filter(|_| !subject.is_same);
@@ -251,17 +255,16 @@ impl Run<'_> {
             let truth = truth.iter().filter(|(precision, _)| *precision == method.precision);
             let mut references: Vec<(&str, &[Pair])> =
                 truth.map(|(_, pairs)| ("oracle", pairs.as_slice())).collect();
-            let is_rounded = !subject.is_same && method.precision == f32::NAME;
+            let is_rounded = !subject.is_same && method.precision == FloatFormat::F32;
             let reference = if is_rounded { of_rounded.as_ref() } else { reference };
             references.extend(reference.map(|answers| ("f64-moller-trumbore", answers.pairs())));
             for (variant, answers) in &method.variants {
-                let named = method.record_variant(*variant);
                 for (name, pairs) in &references {
                     for (quantity, of) in method.quantities() {
                         let (count, relative, ulps) =
                             answers.errors(pairs, of, method.significant_bits);
                         self.lines.push(Record::Error(Error {
-                            variant: named.clone(),
+                            variant: (*variant).clone(),
                             workload: subject.workload.name.clone(),
                             reference: (*name).to_owned(),
                             quantity: quantity.to_owned(),
@@ -272,7 +275,7 @@ impl Run<'_> {
                     }
                 }
                 self.lines.push(Record::Decisions(Decisions {
-                    variant: named,
+                    variant: (*variant).clone(),
                     workload: subject.workload.name.clone(),
                     classes: answers.decisions(of),
                 }));
@@ -282,7 +285,7 @@ impl Run<'_> {
 
     fn agreement(&mut self, subject: &Subject, answered: &[Answered]) {
         let rays = subject.workload.rays;
-        for precision in [f32::NAME, f64::NAME] {
+        for &precision in FloatFormat::ALL {
             let closest: Vec<_> = answered
                 .iter()
                 .filter(|a| a.precision == precision)
@@ -301,7 +304,7 @@ impl Run<'_> {
                 .collect();
             self.lines.push(Record::Agreement(Agreement {
                 workload: subject.workload.name.clone(),
-                precision: precision.to_owned(),
+                precision,
                 rays,
                 unanimous,
                 differs_from_oracle,
@@ -322,7 +325,7 @@ impl Run<'_> {
         let timed: Vec<&'static Kernel> = kernels
             .timed
             .iter()
-            .filter(|kernel| kernel.variant.lane.instruction_set.is_available())
+            .filter(|kernel| kernel.variant.is_available())
             .filter(|kernel| is_shown(workload.family, kernel, &kernels.timed))
             .collect();
         if timed.is_empty() {
@@ -344,7 +347,7 @@ impl Run<'_> {
             }
             self.lines.push(Record::Preparation(Preparation {
                 method: entry.info.name.to_owned(),
-                precision: E::NAME.to_owned(),
+                precision: E::FORMAT,
                 workload: workload.name.clone(),
                 triangles: triangles.len(),
                 samples_ns,
@@ -376,7 +379,7 @@ impl Run<'_> {
             let kernel = contender.kernel;
             let Some(tally) = contender.tally else { continue };
             self.lines.push(Record::Throughput(Throughput {
-                variant: group.record_variant(kernel),
+                variant: kernel.variant.clone(),
                 workload: subject.workload.name.clone(),
                 tests: (timed_rays * subject.workload.triangles) as u64,
                 samples_ns: contender.samples_ns,
@@ -399,12 +402,15 @@ fn answers_in_f64(entry: &Entry, single: &Side<f32>) -> Option<Answers> {
 
 /// The answers of each of some finders that computes values of its own here: plain arithmetic gives the
 /// same bits on every width, and so does fused, so that the widest stands for all.
-pub(crate) fn answers_of_widest(finders: &[Finder], scene: &Scene) -> Vec<(Variant, Answers)> {
-    let here = || finders.iter().filter(|f| f.variant.lane.instruction_set.is_available());
-    let widest = here().map(|finder| finder.variant.lane.width).max();
+pub(crate) fn answers_of_widest<'a>(
+    finders: &'a [Finder],
+    scene: &Scene,
+) -> Vec<(&'a Variant, Answers)> {
+    let here = || finders.iter().filter(|finder| finder.variant.is_available());
+    let widest = here().map(|finder| finder.variant.width).max();
     here()
-        .filter(|finder| Some(finder.variant.lane.width) == widest)
-        .map(|finder| (finder.variant, Answers::of(finder, scene)))
+        .filter(|finder| Some(finder.variant.width) == widest)
+        .map(|finder| (&finder.variant, Answers::of(finder, scene)))
         .collect()
 }
 
@@ -415,7 +421,7 @@ pub(crate) struct Group {
     unit_roundoff: f64,
     scene: Scene,
     timed: Vec<&'static Kernel>,
-    answers: Vec<(Variant, Answers)>,
+    answers: Vec<(&'static Variant, Answers)>,
 }
 
 /// Each kernel of some groups, ready to be timed, with its group.
@@ -433,16 +439,16 @@ impl Group {
     /// The answers of kernels on a scene, those whose arrangement serves its rays.
     pub(crate) fn new<E: Precision>(
         entry: &Entry,
-        kernels: &Kernels<E>,
+        kernels: &'static Kernels<E>,
         scene: Scene,
         mut timed: Vec<&'static Kernel>,
     ) -> Self {
-        timed.retain(|kernel| kernel.arrangement.serves(scene.common()));
-        let mut answers: Vec<(Variant, Answers)> = Vec::new();
+        timed.retain(|kernel| kernel.variant.arrangement.serves(scene.common()));
+        let mut answers: Vec<(&'static Variant, Answers)> = Vec::new();
         for kernel in &timed {
-            if answers.iter().all(|(variant, _)| *variant != kernel.variant) {
+            if !answers.iter().any(|(variant, _)| variant.computes_like(&kernel.variant)) {
                 let finder = kernels.finder_of(kernel);
-                answers.push((kernel.variant, Answers::of(finder, &scene)));
+                answers.push((&finder.variant, Answers::of(finder, &scene)));
             }
         }
         Self {
@@ -471,20 +477,14 @@ impl Group {
         }
     }
 
-    /// A kernel of it, as records name it.
-    pub(crate) fn record_variant(&self, kernel: &Kernel) -> crate::record::Variant {
-        let (arrangement, needs) = (kernel.arrangement.name(), kernel.needs.name());
-        record_variant(self.method, kernel.variant, arrangement, kernel.early_out, needs)
-    }
-
     fn expected(&self, kernel: &Kernel, subject: &Subject) -> timing::Expected {
         let (_, answers) = self
             .answers
             .iter()
-            .find(|(variant, _)| *variant == kernel.variant)
+            .find(|(variant, _)| variant.computes_like(&kernel.variant))
             .expect("every timed variant has a finder");
-        let of = subject.of(kernel.variant.lane.precision);
-        answers.expected(kernel.needs, self.unit_roundoff, of)
+        let of = subject.of(kernel.variant.precision);
+        answers.expected(kernel.variant.needs, self.unit_roundoff, of)
     }
 }
 
@@ -492,22 +492,12 @@ impl Answered {
     /// The answers that are the same on every machine.
     fn plain(&self) -> Option<&Answers> {
         // Deferred comes last, where there is one.
-        self.variants
-            .iter()
-            .rfind(|(variant, _)| {
-                variant.lane.arithmetic == "plain" && variant.reciprocal == "true"
-            })
-            .map(|(_, answers)| answers)
+        self.variants.iter().rfind(|(variant, _)| variant.is_plain()).map(|(_, answers)| answers)
     }
 
     /// What the method gives that has an error.
     fn quantities(&self) -> impl Iterator<Item = (&'static str, Quantity)> {
         QUANTITIES.into_iter().take(if self.weighs { 3 } else { 1 })
-    }
-
-    fn record_variant(&self, variant: Variant) -> crate::record::Variant {
-        let asked = if self.weighs { Output::Barycentrics } else { Output::T };
-        record_variant(self.method, variant, "one-ray", true, asked.name())
     }
 }
 
@@ -530,49 +520,27 @@ fn part_cost((part, ops): (&str, Ops)) -> PartCost {
 /// Whether a kernel is timed on a family of workloads: where methods are compared everything but
 /// what rays must share something for; on the series the widest f32 lanes with the fullest hit, one
 /// ray at a time; and on packets in every arrangement.
-fn is_shown(family: Family, kernel: &Kernel, all: &[Kernel]) -> bool {
+fn is_shown(family: Family, Kernel { variant, .. }: &Kernel, all: &[Kernel]) -> bool {
     let shares =
-        matches!(kernel.arrangement, Arrangement::CommonOrigin | Arrangement::CommonDirection);
+        matches!(variant.arrangement, Arrangement::CommonOrigin | Arrangement::CommonDirection);
     if matches!(family, Family::Random | Family::Mesh) {
         return !shares;
     }
-    let here = || all.iter().filter(|other| other.variant.lane.instruction_set.is_available());
+    let here = || all.iter().map(|other| &other.variant).filter(|other| other.is_available());
     let widest = here()
-        .map(|other| other.variant.lane)
-        .max_by_key(|lane| (lane.width, lane.arithmetic == "fused"));
+        .map(Variant::lane)
+        .max_by_key(|lane| (lane.width, lane.arithmetic == MultiplyAdd::Fused));
     let asked = if here().any(|other| other.needs == Output::Barycentrics) {
         Output::Barycentrics
     } else {
         Output::T
     };
-    let lane = kernel.variant.lane;
-    Some(lane) == widest
-        && lane.precision == f32::NAME
-        && kernel.needs == asked
-        && kernel.variant.reciprocal == "true"
+    Some(variant.lane()) == widest
+        && variant.precision == FloatFormat::F32
+        && variant.needs == asked
+        && variant.reciprocal == ReciprocalKind::True
         && match family {
-            Family::Packets => !kernel.early_out,
-            _ => kernel.arrangement == Arrangement::OneRay,
+            Family::Packets => !variant.early_out,
+            _ => variant.arrangement == Arrangement::OneRay,
         }
-}
-
-pub(crate) fn record_variant(
-    method: &str,
-    variant: Variant,
-    arrangement: &str,
-    early_out: bool,
-    needs: &str,
-) -> crate::record::Variant {
-    crate::record::Variant {
-        method: method.to_owned(),
-        precision: variant.lane.precision.to_owned(),
-        width: variant.lane.width,
-        instruction_set: variant.lane.instruction_set.name().to_owned(),
-        arithmetic: variant.lane.arithmetic.to_owned(),
-        arrangement: arrangement.to_owned(),
-        division: variant.division.to_owned(),
-        reciprocal: variant.reciprocal.to_owned(),
-        early_out,
-        needs: needs.to_owned(),
-    }
 }

@@ -5,6 +5,8 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+pub use trisect_catalog::Variant;
+use trisect_core::{FloatFormat, Form, Input, InstructionSet, Output};
 
 use crate::stats;
 
@@ -98,7 +100,7 @@ pub struct Machine {
     /// How many logical processors the process may use.
     pub logical_cpus: usize,
     /// Instruction sets that kernels may use here, weakest first.
-    pub instruction_sets: Vec<String>,
+    pub instruction_sets: Vec<InstructionSet>,
     /// Operating system and architecture.
     pub platform: String,
     /// The compiler and its version.
@@ -123,16 +125,15 @@ pub struct MethodFacts {
     pub source: String,
     /// Numbers stored per triangle.
     pub stored_numbers: usize,
-    /// `points`, `points-and-normal` or `prepared`.
+    /// What a triangle is given as; `None` in the oldest records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input: Option<Input>,
+    /// What a hit can be asked for. What is not listed is not timed.
     #[serde(default)]
-    pub input: String,
-    /// What a hit can be asked for: `occlusion`, `t`, `barycentrics`, `point`, `normal`. What is not
-    /// listed is not timed.
-    #[serde(default)]
-    pub outputs: Vec<String>,
+    pub outputs: Vec<Output>,
     /// The forms of the division that the method has.
     #[serde(default)]
-    pub divisions: Vec<String>,
+    pub divisions: Vec<Form>,
     /// What the method promises: `watertight`, `culls`, `unit-direction` (which it needs).
     #[serde(default)]
     pub claims: Vec<String>,
@@ -193,44 +194,6 @@ pub enum Family {
     Packets,
     /// Rays aimed at the edges of a closed surface.
     Edges,
-}
-
-/// Which compiled variant of a method.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Variant {
-    /// Name of the method in the catalogue.
-    pub method: String,
-    /// `f32` or `f64`.
-    pub precision: String,
-    /// Lanes; 1 is the scalar.
-    pub width: usize,
-    /// `scalar`, `sse2`, `sse4.2`, `avx2`, `avx512`, `neon`.
-    pub instruction_set: String,
-    /// `plain` or `fused`.
-    pub arithmetic: String,
-    /// `one-ray` (one ray against N triangles), `one-triangle` (N rays against one), or that for rays
-    /// with a `common-origin` or a `common-direction`.
-    pub arrangement: String,
-    /// `early` or `deferred`.
-    pub division: String,
-    /// `true` (the processor's division) or `newton` (estimate and Newton step).
-    pub reciprocal: String,
-    /// Whether a test ends as soon as no lane can hit.
-    pub early_out: bool,
-    /// What is asked: `occlusion`, `t`, `barycentrics` (t with barycentrics), `point` or `normal` (t
-    /// with the normal).
-    pub needs: String,
-}
-
-impl Variant {
-    /// Whether it does what a tracer does at a leaf: one ray against f32 lanes, as fused as the processor
-    /// has them, and no more than the eight triangles of a block.
-    pub fn is_as_in_a_tracer(&self) -> bool {
-        self.precision == "f32"
-            && self.arrangement == "one-ray"
-            && self.arithmetic == "fused"
-            && (2..=8).contains(&self.width)
-    }
 }
 
 /// The time of one variant on one workload.
@@ -316,8 +279,8 @@ pub struct ClassCount {
 pub struct Preparation {
     /// Name of the method in the catalogue.
     pub method: String,
-    /// `f32` or `f64`.
-    pub precision: String,
+    /// The format that it was prepared in.
+    pub precision: FloatFormat,
     /// Name of the [`Workload`].
     pub workload: String,
     /// Triangles prepared in one sample.
@@ -331,8 +294,8 @@ pub struct Preparation {
 pub struct Agreement {
     /// Name of the [`Workload`].
     pub workload: String,
-    /// `f32` or `f64`.
-    pub precision: String,
+    /// The format that it was prepared in.
+    pub precision: FloatFormat,
     /// Rays looked at.
     pub rays: usize,
     /// Rays for which every method named the same triangle, or every one a miss.
@@ -355,8 +318,8 @@ pub struct MethodCount {
 pub struct Refusal {
     /// Name of the method in the catalogue.
     pub method: String,
-    /// `f32` or `f64`.
-    pub precision: String,
+    /// The format that it was prepared in.
+    pub precision: FloatFormat,
     /// Name of the [`Workload`].
     pub workload: String,
     /// What the method said.
@@ -423,7 +386,7 @@ pub struct StressFamily {
     /// What its level is, with the unit.
     pub knob: String,
     /// The precision that the numbers of the pairs are given in.
-    pub inputs: String,
+    pub inputs: FloatFormat,
     /// Whether subnormal numbers count as zeros.
     pub flush_to_zero: bool,
     /// The levels, easiest first.
@@ -495,7 +458,7 @@ pub struct ByCondition {
     #[serde(flatten)]
     pub variant: Variant,
     /// The precision that the numbers of the pairs are given in.
-    pub inputs: String,
+    pub inputs: FloatFormat,
     /// `t`, `beta` or `gamma`.
     pub quantity: String,
     /// By decade of the condition number; those without pairs are left out.
@@ -526,7 +489,7 @@ pub struct FusedDifference {
     #[serde(flatten)]
     pub variant: Variant,
     /// The precision that the numbers of the pairs are given in.
-    pub inputs: String,
+    pub inputs: FloatFormat,
     /// Pairs.
     pub pairs: u64,
     /// Pairs that are decided differently.
@@ -591,8 +554,8 @@ pub struct Contract {
 pub struct Exactness {
     /// The method.
     pub method: String,
-    /// `f32` or `f64`.
-    pub precision: String,
+    /// The format that it was prepared in.
+    pub precision: FloatFormat,
     /// Lanes, instruction set, arithmetic and arrangement, or how rays go through the tree.
     pub way: String,
     /// By the kind of scene.
@@ -637,8 +600,8 @@ impl ExactCounts {
 pub struct Stages {
     /// The method.
     pub method: String,
-    /// `f32` or `f64`.
-    pub precision: String,
+    /// The format that it was prepared in.
+    pub precision: FloatFormat,
     /// A family of hard pairs, over all its levels, or a scene.
     pub source: String,
     /// The stages, the cheapest first.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use trisect_core::{Float, Hit, Ray, Triangle};
+use trisect_core::{Float, FloatFormat, Hit, Ray, Triangle};
 use trisect_oracle::{Class, Oracle};
 
 use crate::record::{Family, Workload};
@@ -172,8 +172,11 @@ impl Subject {
     }
 
     /// What kernels of a precision are judged by.
-    pub(crate) fn of(&self, precision: &str) -> &dyn Judged {
-        if precision == <f32 as Float>::NAME { &self.single } else { &self.double }
+    pub(crate) fn of(&self, precision: FloatFormat) -> &dyn Judged {
+        match precision {
+            FloatFormat::F32 => &self.single,
+            FloatFormat::F64 => &self.double,
+        }
     }
 }
 
@@ -271,9 +274,9 @@ mod tests {
         assert!(inputs.unrounded.is_some());
         let subject = Subject::new("far".into(), "far".into(), Family::Mesh, inputs);
         let beta = |precision| subject.of(precision).known().truth[0].hit.beta;
-        assert_eq!((beta("f32"), beta("f64")), (0.5, 0.375));
+        assert_eq!((beta(FloatFormat::F32), beta(FloatFormat::F64)), (0.5, 0.375));
         let x = |precision| subject.of(precision).triangle(0).a.x - FAR;
-        assert_eq!((x("f32"), x("f64")), (0.0, 0.25));
+        assert_eq!((x(FloatFormat::F32), x(FloatFormat::F64)), (0.0, 0.25));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Classes and values of named cases.
 
-use trisect_core::{Float, Ray, Triangle, Vec3};
+use trisect_core::{Float, FloatFormat, Ray, Triangle, Vec3};
 use trisect_oracle::{Class, Oracle, exact_class, exact_rationals};
 
 fn unit<E: Float>() -> Triangle<E> {
@@ -90,7 +90,7 @@ fn interval_is_closed() {
         class::<E>(&ray([0.25, 0.25, 3.0], [0.0, 0.0, -1.0], tmin, tmax), &unit())
     }
     fn next<E: Float>(x: f32, up: bool) -> f64 {
-        let x = if E::NAME == "f32" {
+        let x = if E::FORMAT == FloatFormat::F32 {
             return f64::from(if up { x.next_up() } else { x.next_down() });
         } else {
             f64::from(x)

@@ -5,7 +5,7 @@ use core::cmp::Ordering;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use proptest::prelude::*;
-use trisect_core::{Float, Interval, Ray, Scalar, Triangle, Vec3};
+use trisect_core::{Float, FloatFormat, Interval, Ray, Scalar, Triangle, Vec3};
 use trisect_oracle::{Class, Exact, Oracle, RBig, compare_t, exact_class, exact_rationals};
 
 /// Any finite f32, with small integers, subnormals and extremes all common.
@@ -124,7 +124,7 @@ fn naive_class<E: Float>(ray: &Ray<E>, triangle: &Triangle<E>) -> Class {
 /// and an even one not as near.
 fn is_nearest<E: Float>(x: E, exact: &BigRational) -> bool {
     let bits = |x: E| x.bits64();
-    let (down, up, largest, ulp) = if E::NAME == "f32" {
+    let (down, up, largest, ulp) = if E::FORMAT == FloatFormat::F32 {
         #[allow(clippy::cast_possible_truncation, reason = "the number is one of f32")]
         let narrow = x.to_f64() as f32;
         let ulp = 2f64.powi(104);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use trisect_core::{FloatFormat, Form, InstructionSet};
 use trisect_harness::record::{Family, Variant};
 
 use crate::chart::{
@@ -67,8 +68,8 @@ fn pareto(view: &View) -> Figure {
     let plane = summary::plane(view);
     let need = view.main_need().map(need_in_prose).unwrap_or_default();
     let reference: Vec<f64> = view
-        .pooled_error((BASELINE, "f64"), "t", |v| v.width == 1)
-        .or_else(|| view.pooled_error((BASELINE, "f64"), "t", |_| true))
+        .pooled_error((BASELINE, FloatFormat::F64), "t", |v| v.width == 1)
+        .or_else(|| view.pooled_error((BASELINE, FloatFormat::F64), "t", |_| true))
         .map(|q| q.median)
         .into_iter()
         .collect();
@@ -120,7 +121,7 @@ fn pareto_drawing(view: &View, plane: &summary::Plane, reference: &[f64], up: Ax
     for &method in view.methods() {
         let look = look(view, method);
         let mut found = false;
-        for (precision, filled) in [("f64", false), ("f32", true)] {
+        for (precision, filled) in [(FloatFormat::F64, false), (FloatFormat::F32, true)] {
             let points: Vec<(f64, f64)> = plane
                 .points
                 .iter()
@@ -134,10 +135,10 @@ fn pareto_drawing(view: &View, plane: &summary::Plane, reference: &[f64], up: Ax
             legend.push(Entry { sample: Sample::Point(look, true), text: view.title(method) });
         }
     }
-    for (precision, filled) in [("f32", true), ("f64", false)] {
+    for (precision, filled) in [(FloatFormat::F32, true), (FloatFormat::F64, false)] {
         if plane.points.iter().any(|p| p.variant.precision == precision) {
             let look = Look { ink: Ink::Muted, shape: Shape::Circle };
-            legend.push(Entry { sample: Sample::Point(look, filled), text: precision.into() });
+            legend.push(Entry { sample: Sample::Point(look, filled), text: precision.to_string() });
         }
     }
     legend.push(Entry { sample: Sample::Line(Ink::Muted), text: "Pareto front".into() });
@@ -167,19 +168,19 @@ fn pareto_drawing(view: &View, plane: &summary::Plane, reference: &[f64], up: Ax
 }
 
 /// Instruction sets and widths of one precision, narrowest first, as rows ask for them.
-fn lanes<'a>(view: &View<'a>, precision: &str) -> Vec<(usize, &'a str)> {
-    let mut all: Vec<(usize, &str)> = view
+fn lanes(view: &View, precision: FloatFormat) -> Vec<(usize, InstructionSet)> {
+    let mut all: Vec<(usize, InstructionSet)> = view
         .throughput
         .keys()
         .filter(|v| v.precision == precision)
-        .map(|v| (v.width, v.instruction_set.as_str()))
+        .map(|v| (v.width, v.instruction_set))
         .collect();
     all.sort_unstable();
     all.dedup();
     all
 }
 
-fn lane_name(width: usize, instruction_set: &str) -> String {
+fn lane_name(width: usize, instruction_set: InstructionSet) -> String {
     if width == 1 { "scalar".into() } else { format!("{instruction_set} ×{width}") }
 }
 
@@ -187,7 +188,7 @@ fn lane_name(width: usize, instruction_set: &str) -> String {
 fn rows_by_lanes(
     view: &View,
     mut row: impl FnMut(&str, &dyn Fn(&Variant) -> bool) -> Option<(Vec<Mark>, String)>,
-) -> Vec<(String, Vec<Group>)> {
+) -> Vec<(FloatFormat, Vec<Group>)> {
     let mut panels = Vec::new();
     for precision in view.precisions() {
         let mut groups = Vec::new();
@@ -211,14 +212,14 @@ fn rows_by_lanes(
             }
         }
         if !groups.is_empty() {
-            panels.push((precision.to_string(), groups));
+            panels.push((precision, groups));
         }
     }
     panels
 }
 
 /// All values that rows show, to lay an axis over them.
-fn values(panels: &[(String, Vec<Group>)]) -> Vec<f64> {
+fn values(panels: &[(FloatFormat, Vec<Group>)]) -> Vec<f64> {
     let marks = panels.iter().flat_map(|(_, g)| g).flat_map(|g| &g.rows).flat_map(|r| &r.marks);
     marks
         .flat_map(|m| match *m {
@@ -229,17 +230,16 @@ fn values(panels: &[(String, Vec<Group>)]) -> Vec<f64> {
         .collect()
 }
 
-fn precision_title(precision: &str) -> String {
+fn precision_title(precision: FloatFormat) -> &'static str {
     match precision {
-        "f32" => "Single precision (f32)".into(),
-        "f64" => "Double precision (f64)".into(),
-        other => other.into(),
+        FloatFormat::F32 => "Single precision (f32)",
+        FloatFormat::F64 => "Double precision (f64)",
     }
 }
 
 fn throughput(view: &View) -> Figure {
-    let need = view.main_need().unwrap_or_default();
-    let comparable = view.comparable(|v| v.needs == need);
+    let need = view.main_need();
+    let comparable = view.comparable(|v| Some(v.needs) == need);
     let scores = comparable.scores();
     let panels = rows_by_lanes(view, |_, is| {
         let (_, ns) = scores.iter().find(|(v, _)| is(v))?;
@@ -249,10 +249,10 @@ fn throughput(view: &View) -> Figure {
         Err(nothing_timed())
     } else {
         let shown = values(&panels);
-        let draw = |(precision, groups): (String, Vec<Group>)| {
+        let draw = |(precision, groups): (FloatFormat, Vec<Group>)| {
             let axis = shown.iter().copied().chain([0.0]);
             let axis = Axis::over("million tests per second", Scale::Linear, axis, tick);
-            Panel::Rows(Rows::new(&precision_title(&precision), axis, None, groups))
+            Panel::Rows(Rows::new(precision_title(precision), axis, None, groups))
         };
         Ok(Drawing { panels: panels.into_iter().map(draw).collect(), ..Drawing::default() })
     };
@@ -263,7 +263,7 @@ fn throughput(view: &View) -> Figure {
             "Million tests per second when asked for {}: the fastest division, arithmetic, \
              arrangement and early-out of each method at each width, by the geometric mean {} \
              of the median over rounds.",
-            need_in_prose(need),
+            view.main_need_in_prose(),
             on(&comparable.workloads)
         ),
         drawing,
@@ -301,7 +301,7 @@ fn error(view: &View) -> Figure {
             }
         }
         if !groups.is_empty() {
-            panels.push((precision.to_string(), groups));
+            panels.push((precision, groups));
         }
     }
     let drawing = if panels.is_empty() {
@@ -312,7 +312,7 @@ fn error(view: &View) -> Figure {
             .map(|panel| {
                 let shown = values(std::slice::from_ref(&panel));
                 let axis = Axis::over("relative error", Scale::Log, shown, tick);
-                Panel::Rows(Rows::new(&precision_title(&panel.0), axis, None, panel.1))
+                Panel::Rows(Rows::new(precision_title(panel.0), axis, None, panel.1))
             })
             .collect();
         Ok(Drawing { panels, ..Drawing::default() })
@@ -339,7 +339,7 @@ fn paired<'a>(
     let need = view.main_need();
     view.throughput
         .iter()
-        .filter(|(v, _)| Some(v.needs.as_str()) == need && first(v))
+        .filter(|(v, _)| Some(v.needs) == need && first(v))
         .filter_map(|(v, workloads)| {
             let mut partner = (*v).clone();
             other(&mut partner);
@@ -381,16 +381,16 @@ fn ratio_rows(
         return None;
     }
     let shown = values(&panels);
-    let draw = |(precision, groups): (String, Vec<Group>)| {
+    let draw = |(precision, groups): (FloatFormat, Vec<Group>)| {
         let spread = shown.iter().copied().chain([0.9, 1.1]);
         let axis = Axis::over(name, Scale::Linear, spread, ratio).with_margin();
-        Panel::Rows(Rows::new(&precision_title(&precision), axis, Some(1.0), groups))
+        Panel::Rows(Rows::new(precision_title(precision), axis, Some(1.0), groups))
     };
     Some(Drawing { panels: panels.into_iter().map(draw).collect(), ..Drawing::default() })
 }
 
 fn division(view: &View) -> Figure {
-    let pairs = paired(view, |v| v.division == "early", |v| v.division = "deferred".into());
+    let pairs = paired(view, |v| v.division == Form::Early, |v| v.division = Form::Deferred);
     Figure {
         name: "division",
         title: "What deferring the division gains",
@@ -399,7 +399,7 @@ fn division(view: &View) -> Figure {
              the division made early, when asked for {}; right of 1×, deferring wins. Filled: \
              the geometric mean over all workloads and over the pairs of variants that differ in \
              nothing else; hollow: the workload that gains least.",
-            need_in_prose(view.main_need().unwrap_or_default())
+            view.main_need_in_prose()
         ),
         drawing: ratio_rows(view, &pairs, "deferred over early").ok_or_else(|| {
             "Left out: the record times no variant with both early and deferred division.".into()
@@ -418,7 +418,7 @@ fn early_out(view: &View) -> Figure {
              Filled: the geometric mean over all workloads and over the pairs of variants that \
              differ in nothing else. Hollow: the workload that gains least, the worst case in \
              which hits block the way out and the branch only costs.",
-            need_in_prose(view.main_need().unwrap_or_default())
+            view.main_need_in_prose()
         ),
         drawing: ratio_rows(view, &pairs, "early-out over none").ok_or_else(|| {
             "Left out: the record times no variant both with and without early-out.".into()
@@ -432,10 +432,10 @@ const LINES: usize = 7;
 /// The methods that are told apart in figures of lines: the fastest, and the one that all are
 /// compared with.
 pub(crate) fn fastest_methods<'a>(view: &View<'a>) -> Vec<&'a str> {
-    let scores = view.comparable(|v| Some(v.needs.as_str()) == view.main_need()).scores();
+    let scores = view.comparable(|v| Some(v.needs) == view.main_need()).scores();
     let mut methods: Vec<&str> = Vec::new();
     for (variant, _) in scores {
-        let method = variant.method.as_str();
+        let method = variant.method.as_ref();
         if !methods.contains(&method) && methods.len() < LINES {
             methods.push(method);
         }
@@ -458,7 +458,7 @@ fn series_lines(
     for &method in view.methods().iter().filter(|method| shown.contains(*method)) {
         let fastest = view.precisions().into_iter().find_map(|precision| {
             let keep = |v: &Variant| {
-                Some(v.needs.as_str()) == view.main_need()
+                Some(v.needs) == view.main_need()
                     && v.method == method
                     && v.precision == precision
                     && among(v)
@@ -542,7 +542,7 @@ fn hit_rate(view: &View) -> Figure {
             "How the share of tests that hit changes the speed of the fastest variant of each of \
              the fastest methods, and of Möller–Trumbore, over this series, when asked for {}. A branch that leaves early costs most \
              where it is hardest to foresee. {}.",
-            need_in_prose(view.main_need().unwrap_or_default()),
+            view.main_need_in_prose(),
             said.join("; ")
         ),
         drawing: if drawing.panels.is_empty() {
@@ -568,7 +568,7 @@ fn working_set(view: &View) -> Figure {
              Möller–Trumbore, against the size of the prepared \
              triangles: their number times the bytes that the method reads for each, so that a method that stores more moves to the \
              right. Asked for {}. {}.",
-            need_in_prose(view.main_need().unwrap_or_default()),
+            view.main_need_in_prose(),
             said.join("; ")
         ),
         drawing: if series.is_empty() {
@@ -591,7 +591,7 @@ pub(crate) fn preparation(view: &View) -> Vec<[String; 4]> {
             if ns.is_some() {
                 rows.push([
                     view.title(method),
-                    precision.into(),
+                    precision.to_string(),
                     or_dash(ns, number),
                     size.map_or_else(|| "–".into(), |b| b.to_string()),
                 ]);

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use trisect_core::{Arrangement, FloatFormat, Form, Input, MultiplyAdd, Output};
 use trisect_harness::record::{Family, Variant};
 
 use crate::format::{mtests, number, scientific};
@@ -51,7 +52,14 @@ pub(crate) fn page(view: &View) -> String {
     for (heading, findings) in [
         ("No stored data", vec![points(view, Lanes::Scalar), points(view, Lanes::Widest)]),
         ("Stored data", vec![stored(view, Lanes::Scalar), stored(view, Lanes::Widest)]),
-        ("Packets", vec![packets(view), shared(view, "origin"), shared(view, "direction")]),
+        (
+            "Packets",
+            vec![
+                packets(view),
+                shared(view, Arrangement::CommonOrigin),
+                shared(view, Arrangement::CommonDirection),
+            ],
+        ),
         ("Moving the division", vec![division(view, Lanes::Scalar), division(view, Lanes::Widest)]),
         (
             "Worst case",
@@ -114,7 +122,7 @@ impl Lanes {
 
 /// Whether a method is given points and prepares nothing.
 fn is_from_points(view: &View, method: &str) -> bool {
-    view.fact(method).is_some_and(|facts| facts.input == "points")
+    view.fact(method).is_some_and(|facts| facts.input == Some(Input::Points))
 }
 
 /// The fastest full hit in f32 on such lanes.
@@ -124,7 +132,10 @@ fn full<'a>(
     keep: impl Fn(&Variant) -> bool,
 ) -> Option<(&'a Variant, f64)> {
     fastest(view, |v| {
-        v.precision == "f32" && v.needs == "barycentrics" && lanes.has(view, v) && keep(v)
+        v.precision == FloatFormat::F32
+            && v.needs == Output::Barycentrics
+            && lanes.has(view, v)
+            && keep(v)
     })
 }
 
@@ -191,7 +202,7 @@ fn gains(
     quick: impl Fn(&Variant) -> bool,
 ) -> Vec<(String, f64)> {
     let best = |method: &str, keep: &dyn Fn(&Variant) -> bool| {
-        let of = |v: &Variant| v.method == method && v.precision == "f32" && keep(v);
+        let of = |v: &Variant| v.method == method && v.precision == FloatFormat::F32 && keep(v);
         view.comparable_on(of, &on).scores().first().map(|(_, ns)| *ns)
     };
     let mut gains: Vec<(String, f64)> = view
@@ -227,8 +238,8 @@ fn middle(gains: &[(String, f64)]) -> Option<f64> {
     median(&values)
 }
 
-fn has_division(view: &View, method: &str, division: &str) -> bool {
-    view.fact(method).is_some_and(|facts| facts.divisions.iter().any(|d| d == division))
+fn has_division(view: &View, method: &str, division: Form) -> bool {
+    view.fact(method).is_some_and(|facts| facts.divisions.contains(&division))
 }
 
 fn family<'a>(view: &View<'a>, family: Family) -> Vec<&'a str> {
@@ -241,18 +252,23 @@ fn main_workloads<'a>(view: &View<'a>) -> Vec<&'a str> {
 
 fn packets(view: &View) -> Finding {
     let names = main_workloads(view);
-    let both = |v: &Variant, arrangement: &str| {
+    let both = |v: &Variant, arrangement: Arrangement| {
         // The packet is timed in one form of the division, without early-out.
-        let form = if has_division(view, &v.method, "early") { "early" } else { "deferred" };
+        let form =
+            if has_division(view, &v.method, Form::Early) { Form::Early } else { Form::Deferred };
         v.arrangement == arrangement
-            && v.needs == "barycentrics"
-            && v.arithmetic == "fused"
+            && v.needs == Output::Barycentrics
+            && v.arithmetic == MultiplyAdd::Fused
             && !v.early_out
             && v.division == form
             && Lanes::Widest.has(view, v)
     };
-    let gains =
-        gains(view, |w| names.contains(&w), |v| both(v, "one-ray"), |v| both(v, "one-triangle"));
+    let gains = gains(
+        view,
+        |w| names.contains(&w),
+        |v| both(v, Arrangement::OneRay),
+        |v| both(v, Arrangement::OneTriangle),
+    );
     Finding {
         says: "A packet of rays against one triangle is faster than one ray against as many \
                triangles.",
@@ -261,17 +277,17 @@ fn packets(view: &View) -> Finding {
     }
 }
 
-fn shared(view: &View, what: &str) -> Finding {
-    let workload = format!("packets/{what}");
-    let arrangement = format!("common-{what}");
+fn shared(view: &View, arrangement: Arrangement) -> Finding {
+    let is_origin = arrangement == Arrangement::CommonOrigin;
+    let workload = if is_origin { "packets/origin" } else { "packets/direction" };
     let gains = gains(
         view,
         |w| w == workload,
-        |v| v.arrangement == "one-triangle",
+        |v| v.arrangement == Arrangement::OneTriangle,
         |v| v.arrangement == arrangement,
     );
     Finding {
-        says: if what == "origin" {
+        says: if is_origin {
             "Rays of one origin gain when what depends on the origin alone is computed once."
         } else {
             "Rays of one direction gain when what depends on the direction alone is computed once."
@@ -283,13 +299,14 @@ fn shared(view: &View, what: &str) -> Finding {
 
 fn division(view: &View, lanes: Lanes) -> Finding {
     let names = main_workloads(view);
-    let on = |v: &Variant, division: &str| {
+    let on = |v: &Variant, division: Form| {
         v.division == division
-            && v.arrangement == "one-ray"
-            && v.needs == "barycentrics"
+            && v.arrangement == Arrangement::OneRay
+            && v.needs == Output::Barycentrics
             && lanes.has(view, v)
     };
-    let gains = gains(view, |w| names.contains(&w), |v| on(v, "early"), |v| on(v, "deferred"));
+    let gains =
+        gains(view, |w| names.contains(&w), |v| on(v, Form::Early), |v| on(v, Form::Deferred));
     Finding {
         says: match lanes {
             Lanes::Scalar => "Moving the division behind the tests makes them faster, scalar.",
@@ -304,8 +321,8 @@ fn early_out(view: &View, lanes: Lanes) -> Finding {
     let names = main_workloads(view);
     let on = |v: &Variant, early_out: bool| {
         v.early_out == early_out
-            && v.arrangement == "one-ray"
-            && v.needs == "barycentrics"
+            && v.arrangement == Arrangement::OneRay
+            && v.needs == Output::Barycentrics
             && lanes.has(view, v)
     };
     let gains = gains(view, |w| names.contains(&w), |v| on(v, false), |v| on(v, true));
@@ -352,16 +369,19 @@ fn worst_case(view: &View) -> Finding {
 
 fn double(view: &View) -> Finding {
     let ratio = |lanes: Lanes| {
-        let best = |method: &str, precision: &str| {
+        let best = |method: &str, precision: FloatFormat| {
             fastest(view, |v| {
                 v.method == method
                     && v.precision == precision
-                    && v.needs == "barycentrics"
+                    && v.needs == Output::Barycentrics
                     && lanes.has(view, v)
             })
             .map(|(_, ns)| ns)
         };
-        let ratios = view.methods().iter().filter_map(|m| Some(best(m, "f64")? / best(m, "f32")?));
+        let ratios = view
+            .methods()
+            .iter()
+            .filter_map(|m| Some(best(m, FloatFormat::F64)? / best(m, FloatFormat::F32)?));
         geometric_mean(ratios)
     };
     let (scalar, widest) = (ratio(Lanes::Scalar), ratio(Lanes::Widest));
@@ -383,7 +403,7 @@ fn error(view: &View) -> Finding {
     let mut rows: Vec<(f64, &str)> = view
         .methods()
         .iter()
-        .filter_map(|&m| Some((view.pooled_error((m, "f32"), "t", |_| true)?.p99, m)))
+        .filter_map(|&m| Some((view.pooled_error((m, FloatFormat::F32), "t", |_| true)?.p99, m)))
         .collect();
     rows.sort_by(|a, b| a.0.total_cmp(&b.0));
     let middle = |of: &dyn Fn(&str) -> bool| {
@@ -413,7 +433,7 @@ fn error(view: &View) -> Finding {
 }
 
 fn ray_tracing(view: &View) -> Finding {
-    let best = full(view, Lanes::Widest, |v| v.arrangement == "one-ray");
+    let best = full(view, Lanes::Widest, |v| v.arrangement == Arrangement::OneRay);
     Finding {
         says: "Ray tracing, in which each triangle is tested often and a hit is shaded: a method with \
                stored data.",
@@ -428,14 +448,14 @@ fn ray_casting(view: &View) -> Finding {
         comparable.scores().first().copied()
     };
     let best = on(&|_| true);
-    let one_ray = on(&|v| v.arrangement == "one-ray");
+    let one_ray = on(&|v| v.arrangement == Arrangement::OneRay);
     Finding {
         says: "Ray casting, in which all rays leave one point: packets that share the origin.",
-        holds: Verdict::of(best.map(|(v, _)| v.arrangement == "common-origin")),
+        holds: Verdict::of(best.map(|(v, _)| v.arrangement == Arrangement::CommonOrigin)),
         figures: format!(
             "Fastest: {}, {}; one ray at a time {}.",
             speed(best),
-            best.map_or("–", |(v, _)| v.arrangement.as_str()),
+            best.map_or("–", |(v, _)| v.arrangement.name()),
             speed(one_ray)
         ),
     }
@@ -447,10 +467,10 @@ fn collision(view: &View) -> Finding {
     let mut best: Option<(&str, f64)> = None;
     let mut stored = None;
     if let Some((points, from_points)) = points {
-        let own = view.preparation(&points.method, "f32").unwrap_or(0.0);
+        let own = view.preparation(&points.method, FloatFormat::F32).unwrap_or(0.0);
         for &method in view.methods().iter().filter(|m| !is_from_points(view, m)) {
             let Some((_, ns)) = full(view, Lanes::Scalar, |v| v.method == method) else { continue };
-            let Some(preparation) = view.preparation(method, "f32") else { continue };
+            let Some(preparation) = view.preparation(method, FloatFormat::F32) else { continue };
             if ns < from_points {
                 let tests = ((preparation - own) / (from_points - ns)).max(0.0);
                 if best.is_none_or(|(_, fewest)| tests < fewest) {
@@ -479,10 +499,12 @@ fn collision(view: &View) -> Finding {
 }
 
 fn visibility(view: &View) -> Finding {
-    let best = |need: &str| {
-        fastest(view, |v| v.precision == "f32" && v.needs == need && Lanes::Widest.has(view, v))
+    let best = |need: Output| {
+        fastest(view, |v| {
+            v.precision == FloatFormat::F32 && v.needs == need && Lanes::Widest.has(view, v)
+        })
     };
-    let (occlusion, distance) = (best("occlusion"), best("t"));
+    let (occlusion, distance) = (best(Output::Occlusion), best(Output::T));
     let gain = occlusion.zip(distance).map(|(a, b)| b.1 / a.1);
     Finding {
         says: "Visibility, in which a hit is a yes or a no: a test that computes nothing else.",
@@ -497,7 +519,8 @@ fn visibility(view: &View) -> Finding {
 }
 
 fn radiosity(view: &View) -> Finding {
-    let best = fastest(view, |v| v.precision == "f64" && v.needs == "barycentrics");
+    let best =
+        fastest(view, |v| v.precision == FloatFormat::F64 && v.needs == Output::Barycentrics);
     let single = full(view, Lanes::Widest, |_| true);
     let loss = best.zip(single).map(|(double, single)| double.1 / single.1);
     Finding {

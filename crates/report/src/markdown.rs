@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use serde::Serialize;
+use trisect_core::{FloatFormat, Output};
 use trisect_harness::record::{Records, Variant};
 
 use crate::format::{number, or_dash, scientific};
@@ -13,7 +14,7 @@ use crate::stress::exact;
 use crate::stress::findings;
 use crate::stress::markdown as stress;
 use crate::study::markdown as study;
-use crate::view::{BASELINE, NEEDS, View};
+use crate::view::{BASELINE, View};
 
 /// Why a document could not be spliced.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -52,8 +53,8 @@ const PARTS: [(&str, Write); 23] = [
     }),
     ("havel", havel::page),
     ("stress-findings", findings::page),
-    ("stress-f32", |view| part(view, &stress::methods(view, "f32"), stress::METHODS)),
-    ("stress-f64", |view| part(view, &stress::methods(view, "f64"), stress::METHODS)),
+    ("stress-f32", |view| part(view, &stress::methods(view, FloatFormat::F32), stress::METHODS)),
+    ("stress-f64", |view| part(view, &stress::methods(view, FloatFormat::F64), stress::METHODS)),
     ("stress-watertight", |view| part(view, &stress::watertight(view), "")),
     ("stress-contract", |view| part(view, &stress::contract(view), "")),
     ("stress-special", |view| part(view, &stress::special_values(view), stress::SPECIAL)),
@@ -104,7 +105,7 @@ pub(crate) fn measured(view: &View) -> String {
         "Measured on {} at {} GHz ({}), {}, by `{}`.",
         m.cpu,
         number(m.core_ghz),
-        m.instruction_sets.last().map_or("scalar", String::as_str),
+        m.instruction_sets.last().map_or("scalar", |set| set.name()),
         m.compiler,
         view.header.command
     )
@@ -157,10 +158,11 @@ fn methods(view: &View) -> String {
          | --- | --: | --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: \
          | --: |\n",
     );
-    let single = |v: &Variant, method: &str, need: &str| {
-        v.method == method && v.precision == "f32" && v.needs == need
+    let single = |v: &Variant, method: &str, need: Output| {
+        v.method == method && v.precision == FloatFormat::F32 && v.needs == need
     };
-    let baseline = NEEDS.map(|need| fastest(view, |v| single(v, BASELINE, need)));
+    let baseline = Output::ALL.iter().map(|&need| fastest(view, |v| single(v, BASELINE, need)));
+    let baseline: Vec<_> = baseline.collect();
     for facts in &view.facts {
         let name = facts.name.as_str();
         let cost = facts
@@ -169,16 +171,16 @@ fn methods(view: &View) -> String {
             .rfind(|part| part.part.starts_with("test"))
             .map(|c| [c.multiplies, c.adds, c.divisions, c.comparisons].map(|n| n.to_string()));
         let cost = cost.unwrap_or_else(|| [0; 4].map(|_| "–".to_owned())).join(" | ");
-        let relative: Vec<String> = NEEDS
+        let relative: Vec<String> = Output::ALL
             .iter()
             .zip(&baseline)
-            .map(|(need, base)| {
+            .map(|(&need, base)| {
                 let mine = fastest(view, |v| single(v, name, need)).map(|(_, ns)| ns);
                 let ratio = base.and_then(|(_, base)| Some(base / mine?));
                 or_dash(ratio, |x| format!("{x:.2}"))
             })
             .collect();
-        let error = view.pooled_error((name, "f32"), "t", |_| true);
+        let error = view.pooled_error((name, FloatFormat::F32), "t", |_| true);
         let authors = facts.source.split(':').next().unwrap_or_default();
         // Writing to a string cannot fail.
         let _ = writeln!(

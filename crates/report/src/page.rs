@@ -6,6 +6,7 @@ use minijinja::Environment;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::Serde;
 use serde::Serialize;
+use trisect_core::{FloatFormat, Output};
 use trisect_harness::record::{Header, Picture};
 
 use crate::chapter::{Link, PageError};
@@ -16,7 +17,7 @@ use crate::markdown::Table;
 use crate::stats::{median, quartiles};
 use crate::summary::{Summary, of_view};
 use crate::theme::{css, inline_svg};
-use crate::view::{NEEDS, View, finish_label, lanes_label, need_in_prose};
+use crate::view::{View, finish_label, lanes_label, need_in_prose};
 
 /// A page of a study: what it says, its figures and its tables.
 pub(crate) struct Study {
@@ -132,14 +133,14 @@ struct Cell {
 struct VariantRow {
     method: String,
     lanes: String,
-    needs: String,
+    needs: Output,
     finish: String,
     cells: Vec<Cell>,
 }
 
 #[derive(Serialize)]
 struct WinnerText {
-    need: String,
+    need: &'static str,
     method: String,
     variant: String,
     speed: String,
@@ -157,7 +158,7 @@ struct FrontText {
 #[derive(Serialize)]
 struct AgreementRow {
     workload: String,
-    precision: String,
+    precision: FloatFormat,
     rays: String,
     unanimous: String,
     share: String,
@@ -269,7 +270,7 @@ fn measured_by(view: &View) -> String {
     format!(
         "Measured on {} ({}) with {}, by the command: {}",
         m.cpu,
-        m.instruction_sets.join(", "),
+        m.instruction_sets.iter().map(|set| set.name()).collect::<Vec<_>>().join(", "),
         m.compiler,
         h.command
     )
@@ -327,7 +328,7 @@ fn winners(view: &View, summary: &Summary) -> Vec<WinnerText> {
             over(w.over_scalar_moller_trumbore, "scalar Möller–Trumbore"),
         ];
         WinnerText {
-            need: need_in_prose(&w.needs),
+            need: need_in_prose(w.needs),
             method: view.title(&w.variant.method),
             variant: format!("{}, {}", lanes_label(&w.variant), finish_label(&w.variant)),
             speed: number(w.million_tests_per_second),
@@ -366,9 +367,9 @@ fn variants(view: &View) -> Vec<VariantRow> {
                 (view.error(v, "t"), view.error(v, "beta"), view.error(v, "gamma"));
             let cell = |value: Option<f64>, write| Cell { text: or_dash(value, write), value };
             rows.push(VariantRow {
-                method: v.method.clone(),
+                method: v.method.to_string(),
                 lanes: lanes_label(v),
-                needs: v.needs.clone(),
+                needs: v.needs,
                 finish: finish_label(v),
                 cells: vec![
                     cell(Some(mtests(ns)), number),
@@ -396,11 +397,7 @@ fn variants(view: &View) -> Vec<VariantRow> {
 
 /// Wrong decisions of a variant; needs, arrangement and width do not change them.
 fn wrong(view: &View, variant: &trisect_harness::record::Variant) -> Option<f64> {
-    view.wrong_per_million((&variant.method, &variant.precision), |v| {
-        v.arithmetic == variant.arithmetic
-            && v.division == variant.division
-            && v.reciprocal == variant.reciprocal
-    })
+    view.wrong_per_million((&variant.method, variant.precision), |v| v.rounds_like(variant))
 }
 
 fn share(part: f64, whole: f64) -> String {
@@ -419,7 +416,7 @@ fn agreement(view: &View) -> Vec<AgreementRow> {
                 .collect();
             AgreementRow {
                 workload: a.workload.clone(),
-                precision: a.precision.clone(),
+                precision: a.precision,
                 rays: grouped(a.rays as u64),
                 unanimous: grouped(a.unanimous as u64),
                 share: share(a.unanimous as f64, a.rays as f64),
@@ -452,10 +449,11 @@ fn methods(view: &View) -> Vec<MethodText> {
             year: m.year,
             source: m.source.clone(),
             numbers: m.stored_numbers,
-            input: m.input.replace('-', " "),
-            lacks: NEEDS
-                .into_iter()
-                .filter(|need| !m.outputs.is_empty() && m.outputs.iter().all(|o| o != need))
+            input: m.input.map_or_else(String::new, |input| input.name().replace('-', " ")),
+            lacks: Output::ALL
+                .iter()
+                .filter(|need| !m.outputs.is_empty() && !m.outputs.contains(need))
+                .map(|need| need.name())
                 .collect::<Vec<_>>()
                 .join(", "),
             claims: m.claims.join(", "),
@@ -463,7 +461,7 @@ fn methods(view: &View) -> Vec<MethodText> {
             refusals: view
                 .refusals
                 .iter()
-                .filter(|r| r.method == m.name && r.precision == "f32")
+                .filter(|r| r.method == m.name && r.precision == FloatFormat::F32)
                 .map(|r| format!("{} ({})", r.workload, r.reason))
                 .collect(),
         })

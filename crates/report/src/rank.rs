@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use serde::Serialize;
+use trisect_core::Output;
 use trisect_harness::record::{Records, Variant};
 
 use crate::format::{mtests, number, ratio};
@@ -14,7 +15,7 @@ use crate::view::{View, finish_label, lanes_label};
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Filter {
     /// `occlusion`, `t` or `barycentrics`.
-    pub needs: Option<String>,
+    pub needs: Option<Output>,
     /// A workload, or the part of its name before a slash: `bunny` stands for `bunny/primary`
     /// and the like. Without it, the workloads that are no step of a series.
     pub workload: Option<String>,
@@ -48,7 +49,7 @@ pub struct Ranked {
 /// time over the best time on that workload.
 pub fn rank(records: &Records, filter: &Filter) -> Ranking {
     let view = View::new(records);
-    let keep = |v: &Variant| filter.needs.as_ref().is_none_or(|n| &v.needs == n);
+    let keep = |v: &Variant| filter.needs.is_none_or(|needs| v.needs == needs);
     let comparable = match &filter.workload {
         None => view.comparable(keep),
         Some(asked) => view.comparable_on(keep, |w| {

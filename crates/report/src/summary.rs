@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use serde::Serialize;
+use trisect_core::{Arrangement, FloatFormat, Output};
 use trisect_harness::record::{Header, Quantiles, Records, Variant};
 
 use crate::format::{mtests, number, or_dash, ratio, scientific};
@@ -27,7 +28,7 @@ pub struct Summary {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Winner {
     /// `occlusion`, `t` or `barycentrics`.
-    pub needs: String,
+    pub needs: Output,
     /// The variant.
     pub variant: Variant,
     /// The workloads that all variants ran and that the speed is a mean over.
@@ -66,7 +67,7 @@ pub struct MethodRow {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PrecisionRow {
     /// `f32` or `f64`.
-    pub precision: String,
+    pub precision: FloatFormat,
     /// Bytes of prepared data per triangle.
     pub bytes_per_triangle: Option<usize>,
     /// The fastest variant for the fullest need that was timed.
@@ -103,7 +104,7 @@ pub(crate) fn plane(view: &View) -> Plane {
         .into_iter()
         .filter(|(v, _)| {
             let mut values = (*v).clone();
-            values.arrangement.clear();
+            values.arrangement = Arrangement::OneRay;
             values.early_out = false;
             seen.insert(values)
         })
@@ -125,7 +126,7 @@ pub fn summary(records: &Records) -> Summary {
 
 pub(crate) fn of_view(view: &View) -> Summary {
     let plane = plane(view);
-    let winners = view.needs().iter().filter_map(|need| winner(view, need)).collect();
+    let winners = view.needs().iter().filter_map(|&need| winner(view, need)).collect();
     let main = view.main_need().map(|need| view.comparable(|v| v.needs == need).scores());
     let scores = main.unwrap_or_default();
     let methods = view
@@ -149,16 +150,17 @@ pub(crate) fn of_view(view: &View) -> Summary {
     }
 }
 
-fn winner(view: &View, need: &str) -> Option<Winner> {
+fn winner(view: &View, need: Output) -> Option<Winner> {
     let comparable = view.comparable(|v| v.needs == need);
     let scores = comparable.scores();
     let &(variant, ns) = scores.first()?;
     let scalar = |method: &str| {
-        let is = |v: &Variant| v.method == method && v.precision == "f32" && v.width == 1;
+        let is =
+            |v: &Variant| v.method == method && v.precision == FloatFormat::F32 && v.width == 1;
         scores.iter().find(|(v, _)| is(v)).map(|(_, base)| base / ns)
     };
     Some(Winner {
-        needs: need.into(),
+        needs: need,
         variant: variant.clone(),
         workloads: comparable.workloads.iter().map(ToString::to_string).collect(),
         million_tests_per_second: mtests(ns),
@@ -171,12 +173,12 @@ fn precision_row(
     view: &View,
     scores: &[(&Variant, f64)],
     method: &str,
-    precision: &str,
+    precision: FloatFormat,
 ) -> PrecisionRow {
     let mine = |v: &Variant| v.method == method && v.precision == precision;
     let fastest = scores.iter().find(|(v, _)| mine(v));
     PrecisionRow {
-        precision: precision.into(),
+        precision,
         bytes_per_triangle: view.bytes(method, precision),
         fastest: fastest.map(|(v, _)| (*v).clone()),
         million_tests_per_second: fastest.map(|&(_, ns)| mtests(ns)),
@@ -188,7 +190,7 @@ fn precision_row(
 
 impl MethodRow {
     /// The row of one precision.
-    pub fn precision(&self, precision: &str) -> Option<&PrecisionRow> {
+    pub fn precision(&self, precision: FloatFormat) -> Option<&PrecisionRow> {
         self.precisions.iter().find(|p| p.precision == precision)
     }
 }
@@ -210,7 +212,7 @@ impl Summary {
             out.push_str("\nNothing was timed.\n");
         }
         for w in &self.winners {
-            let _ = writeln!(out, "\nFastest for {}:", need_in_prose(&w.needs));
+            let _ = writeln!(out, "\nFastest for {}:", need_in_prose(w.needs));
             let line = format!("  {} {}", w.variant.method, lanes_label(&w.variant));
             let _ = writeln!(out, "{}", cut(&line, width));
             let _ = writeln!(out, "{}", cut(&format!("  {}", finish_label(&w.variant)), width));
@@ -241,7 +243,7 @@ impl Summary {
         let mut table =
             Table::new(&["method", "B", "f32", "f64", "err p50", "p99", "max", "wrong/M", "prep"]);
         for m in &self.methods {
-            let single = m.precision("f32");
+            let single = m.precision(FloatFormat::F32);
             let speed = |p: Option<&PrecisionRow>| {
                 or_dash(p.and_then(|p| p.million_tests_per_second), number)
             };
@@ -254,7 +256,7 @@ impl Summary {
                     .and_then(|p| p.bytes_per_triangle)
                     .map_or_else(|| "–".into(), |b| b.to_string()),
                 speed(single),
-                speed(m.precision("f64")),
+                speed(m.precision(FloatFormat::F64)),
                 error(|q| q.median),
                 error(|q| q.p99),
                 error(|q| q.max),

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use trisect_core::{FloatFormat, MultiplyAdd, Output, ReciprocalKind};
 use trisect_harness::record::{
     Agreement, ByCondition, Code, Contract, Cracks, Decisions, Error, Exactness, Family, Frames,
     FusedDifference, Header, Limits, MethodFacts, Omission, Picture, Preparation, Quantiles,
@@ -11,31 +12,27 @@ use trisect_harness::record::{
 
 use crate::stats::{geometric_mean, median, ns_per_test};
 
-/// What can be asked of a test, cheapest first.
-pub(crate) const NEEDS: [&str; 5] = ["occlusion", "t", "barycentrics", "point", "normal"];
-
 /// The need that figures show, of those that were timed: the fullest that most methods give.
-const MAIN_NEEDS: [&str; 3] = ["barycentrics", "t", "occlusion"];
+const MAIN_NEEDS: [Output; 3] = [Output::Barycentrics, Output::T, Output::Occlusion];
 /// The reference of errors that every figure uses.
 pub(crate) const ORACLE: &str = "oracle";
 /// The method that every other is compared with.
 pub(crate) const BASELINE: &str = "moller-trumbore";
 
 /// How a need reads in a sentence.
-pub(crate) fn need_in_prose(need: &str) -> String {
+pub(crate) fn need_in_prose(need: Output) -> &'static str {
     match need {
-        "occlusion" => "only whether the ray hits".into(),
-        "t" => "the distance t".into(),
-        "barycentrics" => "the distance with barycentrics".into(),
-        "point" => "the point".into(),
-        "normal" => "the distance with the normal".into(),
-        other => other.into(),
+        Output::Occlusion => "only whether the ray hits",
+        Output::T => "the distance t",
+        Output::Barycentrics => "the distance with barycentrics",
+        Output::Point => "the point",
+        Output::Normal => "the distance with the normal",
     }
 }
 
 /// `f32×8 avx2 fused`: precision, lanes and instruction set.
 pub(crate) fn lanes_label(v: &Variant) -> String {
-    let fused = if v.arithmetic == "fused" { " fused" } else { "" };
+    let fused = if v.arithmetic == MultiplyAdd::Fused { " fused" } else { "" };
     if v.width == 1 {
         format!("{} scalar{fused}", v.precision)
     } else {
@@ -45,7 +42,7 @@ pub(crate) fn lanes_label(v: &Variant) -> String {
 
 /// What sets apart variants of the same method and lanes.
 pub(crate) fn finish_label(v: &Variant) -> String {
-    let newton = if v.reciprocal == "newton" { ", Newton reciprocal" } else { "" };
+    let newton = if v.reciprocal == ReciprocalKind::Newton { ", Newton reciprocal" } else { "" };
     let exit = if v.early_out { "early-out" } else { "no early-out" };
     format!("{}, {}{newton}, {exit}", v.arrangement, v.division)
 }
@@ -81,13 +78,13 @@ pub(crate) struct View<'a> {
     pub(crate) throughput: BTreeMap<&'a Variant, BTreeMap<&'a str, &'a Throughput>>,
     pub(crate) errors: Vec<&'a Error>,
     /// Errors against the oracle on main workloads, by method, precision and quantity.
-    against_oracle: HashMap<(&'a str, &'a str, &'a str), Vec<&'a Error>>,
+    against_oracle: HashMap<(&'a str, FloatFormat, &'a str), Vec<&'a Error>>,
     /// By method and precision.
-    decisions: HashMap<(&'a str, &'a str), Vec<&'a Decisions>>,
+    decisions: HashMap<(&'a str, FloatFormat), Vec<&'a Decisions>>,
     /// Names of all methods that any record names, by year, then name.
     methods: Vec<&'a str>,
     /// Needs that were timed, cheapest first.
-    needs: Vec<&'a str>,
+    needs: Vec<Output>,
     pub(crate) preparations: Vec<&'a Preparation>,
     pub(crate) agreements: Vec<&'a Agreement>,
     pub(crate) refusals: Vec<&'a Refusal>,
@@ -155,7 +152,7 @@ impl<'a> View<'a> {
                 }
                 Record::Error(e) => view.errors.push(e),
                 Record::Decisions(d) => {
-                    let key = (d.variant.method.as_str(), d.variant.precision.as_str());
+                    let key = (d.variant.method.as_ref(), d.variant.precision);
                     view.decisions.entry(key).or_default().push(d);
                 }
                 Record::Preparation(p) => view.preparations.push(p),
@@ -184,12 +181,13 @@ impl<'a> View<'a> {
         for e in view.errors.iter().filter(|e| e.reference == ORACLE && e.count > 0) {
             if view.is_main(&e.workload) {
                 let v = &e.variant;
-                let key = (v.method.as_str(), v.precision.as_str(), e.quantity.as_str());
+                let key = (v.method.as_ref(), v.precision, e.quantity.as_str());
                 view.against_oracle.entry(key).or_default().push(e);
             }
         }
         view.methods = view.all_methods();
-        view.needs = view.all_needs();
+        let timed: BTreeSet<Output> = view.throughput.keys().map(|v| v.needs).collect();
+        view.needs = timed.into_iter().collect();
         view
     }
 
@@ -203,8 +201,8 @@ impl<'a> View<'a> {
         let measured: BTreeSet<&str> = self
             .throughput
             .keys()
-            .map(|v| v.method.as_str())
-            .chain(self.errors.iter().map(|e| e.variant.method.as_str()))
+            .map(|v| v.method.as_ref())
+            .chain(self.errors.iter().map(|e| e.variant.method.as_ref()))
             .chain(self.decisions.keys().map(|(method, _)| *method))
             .chain(self.preparations.iter().map(|p| p.method.as_str()))
             .collect();
@@ -224,31 +222,29 @@ impl<'a> View<'a> {
     }
 
     /// Precisions of any record, single before double.
-    pub(crate) fn precisions(&self) -> Vec<&'a str> {
-        let all: BTreeSet<&str> = self
+    pub(crate) fn precisions(&self) -> Vec<FloatFormat> {
+        let all: BTreeSet<FloatFormat> = self
             .throughput
             .keys()
-            .map(|v| v.precision.as_str())
-            .chain(self.errors.iter().map(|e| e.variant.precision.as_str()))
+            .map(|v| v.precision)
+            .chain(self.errors.iter().map(|e| e.variant.precision))
             .collect();
         all.into_iter().collect()
     }
 
     /// Needs that were timed, cheapest first.
-    pub(crate) fn needs(&self) -> &[&'a str] {
+    pub(crate) fn needs(&self) -> &[Output] {
         &self.needs
     }
 
-    fn all_needs(&self) -> Vec<&'a str> {
-        let timed: BTreeSet<&str> = self.throughput.keys().map(|v| v.needs.as_str()).collect();
-        let mut needs: Vec<&str> = timed.into_iter().collect();
-        needs.sort_by_key(|n| NEEDS.iter().position(|known| known == n).unwrap_or(NEEDS.len()));
-        needs
+    /// The need that figures show: the fullest that was timed.
+    pub(crate) fn main_need(&self) -> Option<Output> {
+        MAIN_NEEDS.into_iter().find(|n| self.needs.contains(n))
     }
 
-    /// The need that figures show: the fullest that was timed.
-    pub(crate) fn main_need(&self) -> Option<&'a str> {
-        MAIN_NEEDS.into_iter().find(|n| self.needs.contains(n))
+    /// How that need reads in a sentence; empty where nothing was timed.
+    pub(crate) fn main_need_in_prose(&self) -> &'static str {
+        self.main_need().map_or("", need_in_prose)
     }
 
     /// Whether a workload stands for itself instead of being a step of a series.
@@ -318,22 +314,15 @@ impl<'a> View<'a> {
     /// Needs, arrangement and early-out do not change values; neither does the width, so where
     /// only one width was verified it stands for all.
     pub(crate) fn error(&self, variant: &Variant, quantity: &str) -> Option<Quantiles> {
-        let same_values = |v: &Variant| {
-            v.arithmetic == variant.arithmetic
-                && v.division == variant.division
-                && v.reciprocal == variant.reciprocal
-        };
-        let same_lanes =
-            |v: &Variant| v.width == variant.width && v.instruction_set == variant.instruction_set;
-        let of = (variant.method.as_str(), variant.precision.as_str());
-        self.pooled_error(of, quantity, |v| same_values(v) && same_lanes(v))
-            .or_else(|| self.pooled_error(of, quantity, same_values))
+        let of = (variant.method.as_ref(), variant.precision);
+        self.pooled_error(of, quantity, |v| v.computes_like(variant))
+            .or_else(|| self.pooled_error(of, quantity, |v| v.rounds_like(variant)))
     }
 
     /// The same over the variants of a method and precision that `keep` lets pass.
     pub(crate) fn pooled_error(
         &self,
-        (method, precision): (&str, &str),
+        (method, precision): (&str, FloatFormat),
         quantity: &str,
         keep: impl Fn(&Variant) -> bool,
     ) -> Option<Quantiles> {
@@ -360,7 +349,7 @@ impl<'a> View<'a> {
     /// method and precision that `keep` lets pass.
     pub(crate) fn wrong_per_million(
         &self,
-        of: (&str, &str),
+        of: (&str, FloatFormat),
         keep: impl Fn(&Variant) -> bool,
     ) -> Option<f64> {
         let (mut wrong, mut pairs) = (0u64, 0u64);
@@ -377,26 +366,29 @@ impl<'a> View<'a> {
     pub(crate) fn cracks_per_million(&self, method: &str) -> Option<f64> {
         self.cracks
             .iter()
-            .filter(|c| c.variant.method == method && c.variant.arithmetic == "plain")
+            .filter(|c| c.variant.method == method && c.variant.arithmetic == MultiplyAdd::Plain)
             .map(|c| c.no_hit as f64 * 1e6 / c.rays.max(1) as f64)
             .min_by(f64::total_cmp)
     }
 
     /// Bytes that one triangle takes, as timed, or else as stored.
-    pub(crate) fn bytes(&self, method: &str, precision: &str) -> Option<usize> {
+    pub(crate) fn bytes(&self, method: &str, precision: FloatFormat) -> Option<usize> {
         let timed = self
             .throughput
             .iter()
             .filter(|(v, _)| v.method == method && v.precision == precision)
             .find_map(|(_, on)| on.values().next().map(|t| t.bytes_per_triangle));
         timed.or_else(|| {
-            let size = if precision == "f64" { 8 } else { 4 };
+            let size = match precision {
+                FloatFormat::F32 => 4,
+                FloatFormat::F64 => 8,
+            };
             Some(self.fact(method)?.stored_numbers * size)
         })
     }
 
     /// Nanoseconds to prepare one triangle: the median over workloads.
-    pub(crate) fn preparation(&self, method: &str, precision: &str) -> Option<f64> {
+    pub(crate) fn preparation(&self, method: &str, precision: FloatFormat) -> Option<f64> {
         let ns: Vec<f64> = self
             .preparations
             .iter()

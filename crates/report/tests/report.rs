@@ -5,6 +5,7 @@ mod synthetic;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use trisect_core::{Arrangement, Form, Output};
 use trisect_harness::record::{Quantiles, Record, Records};
 use trisect_report::{Chapter, Filter, compare, rank, stats, summary};
 
@@ -59,14 +60,14 @@ fn thirty_methods() {
                     m.title = format!("Method {i} of Somebody and Somebody Else");
                 }
                 Record::Throughput(t) => {
-                    rename(&mut t.variant.method);
+                    rename(t.variant.method.to_mut());
                     t.samples_ns.iter_mut().for_each(|ns| *ns = *ns * (40 + i) / 50);
                 }
                 Record::Error(e) => {
-                    rename(&mut e.variant.method);
+                    rename(e.variant.method.to_mut());
                     e.relative.median *= 50.0 / (i as f64 * 1.5 + 40.0);
                 }
-                Record::Decisions(d) => rename(&mut d.variant.method),
+                Record::Decisions(d) => rename(d.variant.method.to_mut()),
                 Record::Preparation(p) => rename(&mut p.method),
                 _ => {}
             }
@@ -83,7 +84,9 @@ fn thirty_methods() {
 fn small() -> Records {
     let mut records = synthetic::records(2);
     records.lines.retain(|line| match line {
-        Record::Throughput(t) => t.variant.needs == "t" && t.variant.arrangement == "one-ray",
+        Record::Throughput(t) => {
+            t.variant.needs == Output::T && t.variant.arrangement == Arrangement::OneRay
+        }
         _ => true,
     });
     records
@@ -103,7 +106,7 @@ fn summary_of_one_method() {
 
 #[test]
 fn ranking_as_text() {
-    let filter = Filter { needs: Some("t".into()), workload: Some("bunny".into()) };
+    let filter = Filter { needs: Some(Output::T), workload: Some("bunny".into()) };
     let text = rank(&small(), &filter).to_text(80);
     assert!(widest(&text) <= 80, "{text}");
     insta::assert_snapshot!(text);
@@ -207,7 +210,7 @@ fn degenerate_numbers() {
     for (i, line) in records.lines.iter_mut().enumerate() {
         match line {
             Record::Throughput(t) => t.samples_ns.truncate(usize::from(i % 50 != 0)),
-            Record::Error(e) if e.variant.division == "early" => {
+            Record::Error(e) if e.variant.division == Form::Early => {
                 e.relative = Quantiles::default();
             }
             _ => {}

@@ -4,6 +4,9 @@ mod synthetic;
 
 use std::collections::BTreeMap;
 
+use trisect_core::{
+    Arrangement, FloatFormat, Form, InstructionSet, MultiplyAdd, Output, ReciprocalKind,
+};
 use trisect_harness::record::{
     Bin, ByCondition, Clause, Contract, Errors, ExactCounts, Exactness, FusedDifference, Limits,
     Outcome, Record, Records, Site, SpecialValues, Spread, Stages, StressFamily, StressLevel,
@@ -11,18 +14,23 @@ use trisect_harness::record::{
 };
 use trisect_report::{Chapter, exactness_summary, splice, stress_summary};
 
-fn variant(method: &str, precision: &str, division: &str, arithmetic: &str) -> Variant {
+fn variant(
+    method: &str,
+    precision: FloatFormat,
+    division: Form,
+    arithmetic: MultiplyAdd,
+) -> Variant {
     Variant {
-        method: method.into(),
-        precision: precision.into(),
+        method: method.to_owned().into(),
+        precision,
         width: 8,
-        instruction_set: "avx2".into(),
-        arithmetic: arithmetic.into(),
-        arrangement: "one-ray".into(),
-        division: division.into(),
-        reciprocal: "true".into(),
+        instruction_set: InstructionSet::Avx2,
+        arithmetic,
+        arrangement: Arrangement::OneRay,
+        division,
+        reciprocal: ReciprocalKind::True,
         early_out: true,
-        needs: "barycentrics".into(),
+        needs: Output::Barycentrics,
     }
 }
 
@@ -64,14 +72,14 @@ fn study() -> Records {
     }
     for (place, name) in names.iter().enumerate() {
         let bad = u64::from(place == 0);
-        for precision in ["f32", "f64"] {
-            for division in ["early", "deferred"] {
-                let plain = variant(name, precision, division, "plain");
+        for precision in [FloatFormat::F32, FloatFormat::F64] {
+            for division in [Form::Early, Form::Deferred] {
+                let plain = variant(name, precision, division, MultiplyAdd::Plain);
                 records.lines.extend(of_variant(&plain, bad));
-                let fused = variant(name, precision, division, "fused");
+                let fused = variant(name, precision, division, MultiplyAdd::Fused);
                 records.lines.push(Record::FusedDifference(FusedDifference {
                     variant: fused,
-                    inputs: precision.into(),
+                    inputs: precision,
                     pairs: 1000,
                     decisions: 50,
                     t: Spread(0.1, 2.0),
@@ -92,7 +100,7 @@ fn of_variant(variant: &Variant, bad: u64) -> Vec<Record> {
             variant: variant.clone(),
             family: family.into(),
             knob: knob.into(),
-            inputs: variant.precision.clone(),
+            inputs: variant.precision,
             flush_to_zero: false,
             levels: levels.map(|(at, hard)| level(at, bad * hard)).collect(),
         }));
@@ -111,10 +119,10 @@ fn of_variant(variant: &Variant, bad: u64) -> Vec<Record> {
         over_condition: Spread(0.5, if bad > 0 { 3e5 } else { 2.0 }),
     };
     // Of the f64 kernels the errors on the numbers of f32 as well.
-    for inputs in ["f32", "f64"] {
+    for inputs in [FloatFormat::F32, FloatFormat::F64] {
         lines.push(Record::ByCondition(ByCondition {
             variant: variant.clone(),
-            inputs: inputs.into(),
+            inputs,
             quantity: "t".into(),
             decades: vec![bin(1.0, 10.0), bin(10.0, 100.0), bin(1e6, 1e7)],
             strata: vec![bin(0.0, 1e2), bin(1e2, 1e6), bin(1e6, f64::MAX)],
@@ -162,7 +170,7 @@ fn the_summary_adds_up() {
     let summary = stress_summary(&study());
     assert_eq!(summary.rows.len(), 4, "two methods, two precisions");
     let bad = &summary.rows[0];
-    assert_eq!((bad.division.as_str(), bad.pairs), ("deferred", 1200));
+    assert_eq!((bad.division, bad.pairs), (Form::Deferred, 1200));
     // Three families of levels with 0, 1, 2 and 3 on either side.
     assert_eq!((bad.false_hits, bad.false_misses, bad.wrong), (18, 18, 36));
     assert_eq!(bad.error_over_condition, Some(f64::from(3e5_f32)));
@@ -245,7 +253,7 @@ fn exact_study() -> Records {
     for way in ["f32x8 avx2 plain one-ray", "tree single"] {
         records.lines.push(Record::Exactness(Exactness {
             method: "exact".to_owned(),
-            precision: "f32".to_owned(),
+            precision: FloatFormat::F32,
             way: way.to_owned(),
             kinds: [("near-edge".to_owned(), counts)].into(),
             first_wrong: Some("this ray".to_owned()),
@@ -253,7 +261,7 @@ fn exact_study() -> Records {
     }
     records.lines.push(Record::Stages(Stages {
         method: "exact".to_owned(),
-        precision: "f32".to_owned(),
+        precision: FloatFormat::F32,
         source: "near-edge".to_owned(),
         stages: ["miss", "filter", "f64", "whole"].map(str::to_owned).into(),
         pairs: vec![500, 400, 99, 1],

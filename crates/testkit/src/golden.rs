@@ -10,7 +10,7 @@ mod table;
 use std::path::Path;
 use std::thread;
 
-use trisect_core::Method;
+use trisect_core::{FloatFormat, Form, Method, ReciprocalKind};
 
 use crate::lanes::{Found, Kernels, Results};
 use crate::properties::weighs;
@@ -34,8 +34,8 @@ pub struct Subject {
 /// What decides the bits of an answer: neither width nor instruction set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Way {
-    precision: &'static str,
-    form: &'static str,
+    precision: FloatFormat,
+    form: Form,
     fused: bool,
 }
 
@@ -107,10 +107,10 @@ impl Subject {
             let results = kernel.run(&scene.rays, &mesh, scene.culling);
             let first = firsts.iter().find(|(other, _)| *other == way);
             // An estimate has the bits that the processor gives it; deferred, it does not decide.
-            let same = match (kind.divides, kind.form) {
-                (true, _) => Found::is_same,
-                (false, "deferred") => Found::is_same_pair,
-                (false, _) => continue,
+            let same = match (kind.reciprocal, kind.form) {
+                (ReciprocalKind::True, _) => Found::is_same,
+                (ReciprocalKind::Newton, Form::Deferred) => Found::is_same_pair,
+                (ReciprocalKind::Newton, Form::Early) => continue,
             };
             if let Some((_, first)) = first {
                 let difference = results.difference(first, same);
@@ -173,7 +173,7 @@ fn may_fail(holds: Holds, claims_watertight: bool, way: Way) -> bool {
         Holds::Contract => false,
         Holds::All => true,
         // What the claim covers.
-        Holds::Watertight => !(claims_watertight && way.form == "deferred" && !way.fused),
+        Holds::Watertight => !(claims_watertight && way.form == Form::Deferred && !way.fused),
     }
 }
 
@@ -214,13 +214,14 @@ mod tests {
 
     #[test]
     fn neither_contracts_nor_claims_are_recorded_as_failed() {
-        let way = |form, fused| Way { precision: "f32", form, fused };
-        for (form, fused) in [("early", false), ("deferred", false), ("deferred", true)] {
+        let way = |form, fused| Way { precision: FloatFormat::F32, form, fused };
+        for (form, fused) in [(Form::Early, false), (Form::Deferred, false), (Form::Deferred, true)]
+        {
             let way = way(form, fused);
             assert!(!may_fail(Holds::Contract, false, way));
             assert!(may_fail(Holds::All, true, way));
             assert!(may_fail(Holds::Watertight, false, way));
-            assert_eq!(may_fail(Holds::Watertight, true, way), form == "early" || fused);
+            assert_eq!(may_fail(Holds::Watertight, true, way), form == Form::Early || fused);
         }
     }
 

@@ -15,10 +15,10 @@ use core::marker::PhantomData;
 
 use proptest::prelude::*;
 use trisect_core::{
-    BLOCK, Common, CommonDirection, CommonOrigin, Culling, Deferred, Division, Early, Hit,
-    InstructionSet, Interval, Lanes, LanesVisitor, Method, Newton, PADDING, Packets, Precision,
-    PreparedPair, PreparedTriangles, Ray, Reciprocal, Scalar, Tested, Token, Triangle,
-    TrueDivision, UnsuitableMesh, one_ray, one_triangle, shared_packets,
+    Arrangement, BLOCK, Common, CommonDirection, CommonOrigin, Culling, Deferred, Division, Early,
+    FloatFormat, Form, Hit, InstructionSet, Interval, Lanes, LanesVisitor, Method, Newton, PADDING,
+    Packets, Precision, PreparedPair, PreparedTriangles, Ray, Reciprocal, ReciprocalKind, Scalar,
+    Tested, Token, Triangle, TrueDivision, UnsuitableMesh, one_ray, one_triangle, shared_packets,
 };
 
 use crate::draw::{Pair, check, clear_hits, well_conditioned};
@@ -125,7 +125,7 @@ fn each_bit(bits: u64, found: &mut dyn FnMut(usize)) {
 
 /// A way to test every ray against every triangle.
 trait Arrange {
-    const NAME: &'static str;
+    const ARRANGEMENT: Arrangement;
     /// What rays must share for it.
     const NEEDS: Common;
     fn run<M: Method, L: Lanes, D: Division>(
@@ -141,7 +141,7 @@ const NOTHING: Common = Common { origin: false, direction: false };
 struct ByRay;
 
 impl Arrange for ByRay {
-    const NAME: &'static str = "one ray";
+    const ARRANGEMENT: Arrangement = Arrangement::OneRay;
     const NEEDS: Common = NOTHING;
     fn run<M: Method, L: Lanes, D: Division>(
         token: L::Token,
@@ -175,11 +175,11 @@ impl Arrange for ByRay {
 }
 
 macro_rules! packets {
-    ($name:ident, $words:literal, $common:expr, $run:expr) => {
+    ($name:ident, $arrangement:ident, $common:expr, $run:expr) => {
         struct $name;
 
         impl Arrange for $name {
-            const NAME: &'static str = $words;
+            const ARRANGEMENT: Arrangement = Arrangement::$arrangement;
             const NEEDS: Common = $common;
             fn run<M: Method, L: Lanes, D: Division>(
                 token: L::Token,
@@ -213,16 +213,16 @@ macro_rules! packets {
         }
     };
 }
-packets!(ByTriangle, "one triangle", NOTHING, one_triangle::<M, L, D>);
+packets!(ByTriangle, OneTriangle, NOTHING, one_triangle::<M, L, D>);
 packets!(
     ByOrigin,
-    "common origin",
+    CommonOrigin,
     Common { origin: true, direction: false },
     shared_packets::<M, L, D, CommonOrigin>
 );
 packets!(
     ByDirection,
-    "common direction",
+    CommonDirection,
     Common { origin: false, direction: true },
     shared_packets::<M, L, D, CommonDirection>
 );
@@ -230,14 +230,12 @@ packets!(
 /// What a kernel is compiled for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Kind {
-    /// `early` or `deferred`
-    pub(crate) form: &'static str,
+    pub(crate) form: Form,
     pub(crate) early_out: bool,
-    /// Whether the division is the processor's own.
-    pub(crate) divides: bool,
+    pub(crate) reciprocal: ReciprocalKind,
     /// Whether `a·b + c` is rounded once.
     pub(crate) fused: bool,
-    pub(crate) arrangement: &'static str,
+    pub(crate) arrangement: Arrangement,
     pub(crate) lanes: usize,
     pub(crate) instruction_set: InstructionSet,
 }
@@ -259,8 +257,7 @@ pub(crate) struct Mesh(Box<dyn Any>);
 
 /// Some of the kernels of a method in one precision: those that the processor has.
 pub(crate) struct Kernels {
-    /// `f32` or `f64`
-    pub(crate) precision: &'static str,
+    pub(crate) precision: FloatFormat,
     prepare: fn(&[Triangle<f64>]) -> Result<Mesh, UnsuitableMesh>,
     pub(crate) list: Vec<Kernel>,
 }
@@ -273,7 +270,7 @@ impl Kernels {
             let triangles: Vec<_> = triangles.iter().map(narrow::<E>).collect();
             Ok(Mesh(Box::new(PreparedTriangles::<M, E>::new(&triangles)?)))
         }
-        Self { precision: E::NAME, prepare: prepare::<M, E>, list: Vec::new() }
+        Self { precision: E::FORMAT, prepare: prepare::<M, E>, list: Vec::new() }
     }
 
     /// All that rays without anything in common are tested with: what the tests below list, and no
@@ -387,11 +384,11 @@ impl<M: Method, D: Division, A: Arrange, W: Widths, const FUSED: bool> LanesVisi
         }
         self.list.push(Kernel {
             kind: Kind {
-                form: D::NAME,
+                form: D::FORM,
                 early_out: D::EARLY_OUT,
-                divides: D::RECIPROCAL == TrueDivision::NAME,
+                reciprocal: D::RECIPROCAL,
                 fused: FUSED,
-                arrangement: A::NAME,
+                arrangement: A::ARRANGEMENT,
                 lanes: L::N,
                 instruction_set: L::Token::INSTRUCTION_SET,
             },
@@ -594,7 +591,10 @@ fn keeps_the_claim<M: Method, E: Precision>(
 ) -> Result<(), TestCaseError> {
     // One Newton step from eleven bits leaves a relative error of 4 units or less, its own rounding
     // adds 3; the condition number is at least twice the value.
-    let more = if kernel.kind.divides { 0.0 } else { 4.0 };
+    let more = match kernel.kind.reciprocal {
+        ReciprocalKind::True => 0.0,
+        ReciprocalKind::Newton => 4.0,
+    };
     let (mut rays, mut triangles): (Vec<_>, Vec<_>) =
         pairs.iter().map(|pair| (pair.ray, pair.triangle)).unzip();
     let clear = rays.len();

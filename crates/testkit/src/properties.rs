@@ -4,7 +4,7 @@ use core::fmt::Debug;
 
 use proptest::prelude::*;
 use trisect_core::{
-    Alpha as _, Culling, Deferred, Division, Early, Float, Hit, Method, Output, Precision,
+    Alpha as _, Culling, Deferred, Division, Early, Float, Form, Hit, Method, Output, Precision,
     PreparedPair, Ray, Scalar, Triangle, TrueDivision, Vec3, intersect_with,
 };
 use trisect_oracle::Exact;
@@ -22,13 +22,13 @@ const SECOND_ORDER: f64 = 1.0 + 1.0 / 256.0;
 pub(crate) type Test<E> = fn(&Ray<E>, &Triangle<E>, Culling) -> Option<Hit<E>>;
 
 /// The forms that a method has, with the true division.
-pub(crate) fn forms<M: Method, E: Scalar>() -> Vec<(&'static str, Test<E>)> {
+pub(crate) fn forms<M: Method, E: Scalar>() -> Vec<(Form, Test<E>)> {
     let mut forms: Vec<(_, Test<E>)> = Vec::new();
     if M::INFO.forms.early() {
-        forms.push(("early", answer::<M, Early<TrueDivision, true>, E>));
+        forms.push((Form::Early, answer::<M, Early<TrueDivision, true>, E>));
     }
     if M::INFO.forms.deferred() {
-        forms.push(("deferred", answer::<M, Deferred<TrueDivision, true>, E>));
+        forms.push((Form::Deferred, answer::<M, Deferred<TrueDivision, true>, E>));
     }
     forms
 }
@@ -73,7 +73,7 @@ pub(crate) fn within_claim<M: Method, E: Float>(
             error <= bound,
             "{form:?}, {}: the error of {name} is {error:.1} condition numbers times the unit \
              roundoff, and {bound:.1} is claimed",
-            E::NAME
+            E::FORMAT
         );
     }
     Ok(())
@@ -105,7 +105,7 @@ fn exact_formula<M: Method>(pair: &Pair) -> Outcome {
         let triangle = triangle.map(|&x| number(x));
         let prepared = PreparedPair::<M, Exact>::new(&ray, &triangle);
         let front = ray.d.dot(triangle.normal()) < zero;
-        let check = |form: &str, det: Exact, hit: Hit<Exact>, inside: bool| {
+        let check = |form: Form, det: Exact, hit: Hit<Exact>, inside: bool| {
             prop_assert_eq!(hit.t.to_rational(), truth.t.exact.clone(), "{}", form);
             if weighs::<M>() {
                 prop_assert_eq!(hit.beta.to_rational(), truth.beta.exact.clone(), "{}", form);
@@ -122,13 +122,13 @@ fn exact_formula<M: Method>(pair: &Pair) -> Outcome {
         if M::INFO.forms.early() {
             let reciprocal = |x| one / x;
             let q = M::intersect_early(&prepared.ray, &prepared.triangle, reciprocal);
-            check("early", q.det, q.hit(), q.alpha.inside(q.beta, q.gamma, one))?;
+            check(Form::Early, q.det, q.hit(), q.alpha.inside(q.beta, q.gamma, one))?;
         }
         if M::INFO.forms.deferred() {
             let h = M::intersect(&prepared.ray, &prepared.triangle);
             let late = Hit { t: h.t / h.det, beta: h.beta / h.det, gamma: h.gamma / h.det };
             let p = h.positive();
-            check("deferred", h.det, late, p.alpha.inside(p.beta, p.gamma, p.det))?;
+            check(Form::Deferred, h.det, late, p.alpha.inside(p.beta, p.gamma, p.det))?;
         }
         Ok(())
     })
@@ -426,7 +426,7 @@ pub fn the_interval_is_closed<M: Method>() {
                 let hit = Hit { t: n(4.0), beta: n(0.25), gamma: n(0.25) };
                 let wanted = hits.then_some(given::<M, E>(hit));
                 let found = test(&ray, &triangle, Culling::None);
-                assert_eq!(found, wanted, "{form} {}, [{tmin}, {tmax}]", E::NAME);
+                assert_eq!(found, wanted, "{form} {}, [{tmin}, {tmax}]", E::FORMAT);
             }
         }
     }

@@ -152,7 +152,7 @@ impl Report {
             return Ok(());
         }
         let Machine { cpu, instruction_sets, compiler, .. } = &self.machine;
-        let best = instruction_sets.last().map_or("no instruction set", String::as_str);
+        let best = instruction_sets.last().map_or("no instruction set", |set| set.name());
         writeln!(
             out,
             "{cpu}, {best}, {compiler}; built on {} thread(s), traced on one",

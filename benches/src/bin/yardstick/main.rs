@@ -14,8 +14,8 @@ use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 use serde::Serialize;
-use trisect_catalog::{Arrangement, Entry, Kernel, Scene, Tally, entries};
-use trisect_core::{Float, InstructionSet, Output};
+use trisect_catalog::{Entry, Kernel, Scene, Tally, entries};
+use trisect_core::{Arrangement, Float, Form, InstructionSet, MultiplyAdd, Output, ReciprocalKind};
 use trisect_harness::machine;
 use trisect_harness::record::Machine;
 use trisect_kernel_benches::{SEED, kernel_name, workloads};
@@ -144,13 +144,13 @@ fn main() -> Result<()> {
 fn takes_part(kernel: &Kernel, all: &[Kernel]) -> bool {
     let best = all
         .iter()
-        .map(|other| other.variant.lane.instruction_set)
+        .map(|other| other.variant.instruction_set)
         .filter(|set| set.is_available())
         .max();
-    let lane = kernel.variant.lane;
-    kernel.needs == Output::Barycentrics
-        && matches!(kernel.arrangement, Arrangement::OneRay | Arrangement::OneTriangle)
-        && (lane.width == 1 || Some(lane.instruction_set) == best)
+    let variant = &kernel.variant;
+    variant.needs == Output::Barycentrics
+        && matches!(variant.arrangement, Arrangement::OneRay | Arrangement::OneTriangle)
+        && (variant.width == 1 || Some(variant.instruction_set) == best)
 }
 
 fn measure(workload: &Workload, rounds: u16, random: &mut Pcg64) -> Result<Measured> {
@@ -213,19 +213,19 @@ fn against_scalar(method: &'static str, contenders: &[Contender<'_>], tests: f64
             .min_by(|a, b| a.median().total_cmp(&b.median()))
             .expect("every method has scalars and lanes")
     };
-    let best = fastest(&|kernel| kernel.variant.lane.width > 1);
+    let best = fastest(&|kernel| kernel.variant.width > 1);
     // Early, but for a method that has the deferred form alone.
     let has_early = contenders.iter().any(|contender| {
         matches!(contender.kind, Kind::Kernel { method: of, kernel }
-            if of == method && kernel.variant.division == "early")
+            if of == method && kernel.variant.division == Form::Early)
     });
     let published = fastest(&|kernel| {
-        kernel.variant.lane.width == 1
-            && kernel.early_out
-            && (kernel.variant.division == "early" || !has_early)
-            && kernel.arrangement == Arrangement::OneRay
+        kernel.variant.width == 1
+            && kernel.variant.early_out
+            && (kernel.variant.division == Form::Early || !has_early)
+            && kernel.variant.arrangement == Arrangement::OneRay
     });
-    let fastest_scalar = fastest(&|kernel| kernel.variant.lane.width == 1);
+    let fastest_scalar = fastest(&|kernel| kernel.variant.width == 1);
     AgainstScalar {
         method,
         best: best.timing(tests),
@@ -243,12 +243,12 @@ fn against_intrinsics(contenders: &[Contender<'_>], tests: f64) -> Result<Vec<Ag
         let twin = contenders.iter().find(|contender| match contender.kind {
             Kind::Kernel { method, kernel } => {
                 method == BY_HAND
-                    && kernel.variant.lane.instruction_set == instruction_set
-                    && kernel.variant.lane.arithmetic == "fused"
-                    && kernel.arrangement == Arrangement::OneRay
-                    && kernel.variant.division == "deferred"
-                    && kernel.variant.reciprocal == "true"
-                    && kernel.early_out == early_out
+                    && kernel.variant.instruction_set == instruction_set
+                    && kernel.variant.arithmetic == MultiplyAdd::Fused
+                    && kernel.variant.arrangement == Arrangement::OneRay
+                    && kernel.variant.division == Form::Deferred
+                    && kernel.variant.reciprocal == ReciprocalKind::True
+                    && kernel.variant.early_out == early_out
             }
             Kind::ByHand { .. } => false,
         });
@@ -342,7 +342,8 @@ fn quantile(samples: &mut [f64], quantile: f64) -> f64 {
 fn print(yardstick: &Yardstick) {
     let Yardstick { machine, rounds, workloads } = yardstick;
     println!("{}, {:.2} GHz measured, {}", machine.cpu, machine.core_ghz, machine.platform);
-    println!("instruction sets {}", machine.instruction_sets.join(" "));
+    let sets: Vec<_> = machine.instruction_sets.iter().map(|set| set.name()).collect();
+    println!("instruction sets {}", sets.join(" "));
     println!("{}; {}", machine.compiler, machine.build);
     println!(
         "{rounds} rounds in random order; times are medians; ratios are the median of the rounds', \

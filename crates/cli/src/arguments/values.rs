@@ -3,6 +3,7 @@
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use trisect_catalog::Builder;
+use trisect_core::Named;
 
 /// A count, in digits or as `1e9`.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole and in range")]
@@ -19,6 +20,12 @@ pub(super) fn count(text: &str) -> Result<u64, String> {
 pub(super) fn builders() -> impl TypedValueParser<Value = Builder> {
     PossibleValuesParser::new(Builder::ALL.map(Builder::name))
         .map(|name| name.parse().expect("it is listed"))
+}
+
+/// Lists the values of an enumeration in help and completions.
+pub(super) fn named<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(T::ALL.iter().map(|value| value.name()))
+        .map(|name| T::named(&name).expect("it is listed"))
 }
 
 /// A size in memory, in bytes or with a unit.
@@ -57,63 +64,6 @@ pub(crate) enum Light {
     Whitted,
     /// On random paths, whose mean is the picture
     Paths,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Precision {
-    F32,
-    F64,
-}
-
-impl Precision {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::F32 => "f32",
-            Self::F64 => "f64",
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Needs {
-    Occlusion,
-    T,
-    Barycentrics,
-    Point,
-    Normal,
-}
-
-impl Needs {
-    pub(crate) fn name(self) -> &'static str {
-        trisect_core::Output::from(self).name()
-    }
-}
-
-impl From<Needs> for trisect_core::Output {
-    fn from(needs: Needs) -> Self {
-        match needs {
-            Needs::Occlusion => Self::Occlusion,
-            Needs::T => Self::T,
-            Needs::Barycentrics => Self::Barycentrics,
-            Needs::Point => Self::Point,
-            Needs::Normal => Self::Normal,
-        }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Division {
-    Early,
-    Deferred,
-}
-
-impl Division {
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Early => "early",
-            Self::Deferred => "deferred",
-        }
-    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

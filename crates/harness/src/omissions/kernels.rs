@@ -1,8 +1,11 @@
 //! Kernels that are asked for a hit with all its values, against those that say whether there is one; and
 //! those of twice the precision.
 
-use trisect_catalog::{Arrangement, Entry, Kernel, Kernels};
-use trisect_core::{Output, Precision, Ray, Triangle, UnsuitableMesh};
+use trisect_catalog::{Entry, Kernel, Kernels};
+use trisect_core::{
+    Arrangement, FloatFormat, Forms, MultiplyAdd, Output, Precision, Ray, ReciprocalKind, Triangle,
+    UnsuitableMesh,
+};
 
 use super::{Study, Subject, in_turn};
 use crate::measure::Group;
@@ -14,10 +17,7 @@ use crate::timing::{Contender, WrongAnswer};
 const VALUES: &str = "values";
 
 /// What whoever does with single precision does without.
-const PRECISION: &str = "f64";
-
-/// The forms of the division, first the one that a tracer takes where a method has both.
-const FORMS: [&str; 2] = ["deferred", "early"];
+const PRECISION: FloatFormat = FloatFormat::F64;
 
 impl Study<'_> {
     /// Every method, in each form of the division: one ray at a time, on the widest fused lanes.
@@ -51,18 +51,18 @@ impl Study<'_> {
         [single, double]: [&'a Group; 2],
         subject: &subject::Subject,
     ) -> Result<Vec<Omission>, WrongAnswer> {
-        let fullest = fullest(entry);
+        let fullest = entry.info.fullest();
         let of = |group: &Group, form, needs| {
-            group.kernels().find(|k| k.variant.division == form && k.needs == needs)
+            group.kernels().find(|k| k.variant.division == form && k.variant.needs == needs)
         };
-        let values = FORMS.into_iter().filter_map(|form| {
+        let values = Forms::Both.list().iter().copied().filter_map(|form| {
             let of = |needs| Some(single.contender(of(single, form, needs)?, subject));
             Some((form, VALUES, of(Output::Occlusion)?, of(fullest)?))
         });
         // In one form: the other takes the same numbers.
-        let precision = FORMS.into_iter().find_map(|form| {
+        let precision = Forms::Both.list().iter().copied().find_map(|form| {
             let of = |group: &'a Group| Some(group.contender(of(group, form, fullest)?, subject));
-            Some((form, PRECISION, of(single)?, of(double)?))
+            Some((form, PRECISION.name(), of(single)?, of(double)?))
         });
         let mut found = Vec::new();
         for (form, part, without, with) in values.chain(precision) {
@@ -70,7 +70,7 @@ impl Study<'_> {
                 &Subject {
                     layer: Layer::Kernel,
                     scene: &subject.workload.name,
-                    of: form,
+                    of: form.name(),
                     method: entry.info.name,
                 },
                 without,
@@ -85,11 +85,6 @@ impl Study<'_> {
     }
 }
 
-/// The most that a method can be asked for by all callers alike.
-fn fullest(entry: &Entry) -> Output {
-    if entry.info.gives(Output::Barycentrics) { Output::Barycentrics } else { Output::T }
-}
-
 /// The kernels of a method that are compared, on triangles and rays: of each form the one asked for least,
 /// and for most.
 fn group<E: Precision>(
@@ -99,20 +94,20 @@ fn group<E: Precision>(
     rays: &[Ray<E>],
 ) -> Result<Group, UnsuitableMesh> {
     let here = || {
-        kernels.timed.iter().filter(|kernel| {
-            let lane = kernel.variant.lane;
-            lane.instruction_set.is_available()
-                && lane.precision == E::NAME
-                && lane.arithmetic == "fused"
-                && kernel.variant.reciprocal == "true"
-                && kernel.arrangement == Arrangement::OneRay
-                && !kernel.early_out
+        kernels.timed.iter().filter(|Kernel { variant, .. }| {
+            variant.is_available()
+                && variant.arithmetic == MultiplyAdd::Fused
+                && variant.reciprocal == ReciprocalKind::True
+                && variant.arrangement == Arrangement::OneRay
+                && !variant.early_out
         })
     };
-    let widest = here().map(|kernel| kernel.variant.lane.width).max();
-    let asked = [Output::Occlusion, fullest(entry)];
+    let widest = here().map(|kernel| kernel.variant.width).max();
+    let asked = [Output::Occlusion, entry.info.fullest()];
     let usual: Vec<&'static Kernel> = here()
-        .filter(|kernel| Some(kernel.variant.lane.width) == widest && asked.contains(&kernel.needs))
+        .filter(|Kernel { variant, .. }| {
+            Some(variant.width) == widest && asked.contains(&variant.needs)
+        })
         .collect();
     Ok(Group::new(entry, kernels, (kernels.prepare)(triangles, rays)?, usual))
 }

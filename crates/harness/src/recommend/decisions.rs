@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use rayon::prelude::*;
 use serde::Serialize;
 use trisect_catalog::{Builder, Entry, Kernels, Tree, Variant, find};
-use trisect_core::{Float, Precision, Ray, Scalar, Triangle};
+use trisect_core::{Float, FloatFormat, Precision, Ray, Scalar, Triangle};
 
 use crate::answers::{Answers, Pair, shared};
 use crate::measure::REFERENCE;
@@ -76,8 +76,11 @@ fn to_f32(x: f64) -> f64 {
 }
 
 /// How numbers of a precision are rounded.
-pub(super) fn rounding(precision: &str) -> fn(f64) -> f64 {
-    if precision == <f32 as Float>::NAME { to_f32 } else { |x| x }
+pub(super) fn rounding(precision: FloatFormat) -> fn(f64) -> f64 {
+    match precision {
+        FloatFormat::F32 => to_f32,
+        FloatFormat::F64 => |x| x,
+    }
 }
 
 /// A ray with the triangles whose boxes it meets, in the order of their numbers, and the truth about
@@ -101,21 +104,17 @@ pub(super) struct Ways<'a> {
 pub(super) struct Kind {
     pub entry: &'static Entry,
     /// On the widest lanes.
-    pub variant: Variant,
+    pub variant: &'static Variant,
 }
 
 impl Kind {
-    /// Whether a variant of a method is of this kind.
-    pub(super) fn has(&self, method: &str, variant: Variant) -> bool {
-        let Variant { lane, division, reciprocal } = self.variant;
-        let other = variant.lane;
-        self.entry.info.name == method
-            && (lane.precision, lane.arithmetic) == (other.precision, other.arithmetic)
-            && (division, reciprocal) == (variant.division, variant.reciprocal)
+    /// Whether a variant is of this kind.
+    pub(super) fn has(&self, variant: &Variant) -> bool {
+        self.variant.rounds_like(variant)
     }
 
     pub(super) fn is_single(&self) -> bool {
-        self.variant.lane.precision == <f32 as Float>::NAME
+        self.variant.precision == FloatFormat::F32
     }
 }
 
@@ -229,9 +228,9 @@ fn wrong<E: Precision>(
     };
     let of = |kind: &Kind| {
         let mut finders = kernels.finders.iter().chain(&kernels.deciders);
-        let finder = finders.find(|finder| finder.variant == kind.variant);
+        let finder = finders.find(|finder| finder.variant == *kind.variant);
         let answers = finder.map(|finder| Answers::of(finder, &scene));
-        let rounded = asks_closest.then(|| rounding(E::NAME));
+        let rounded = asks_closest.then(|| rounding(E::FORMAT));
         answers.map_or_else(Wrong::default, |found| Wrong::of(found.pairs(), truth, rounded))
     };
     kinds.iter().map(of).collect()

@@ -12,10 +12,10 @@ use rand::seq::SliceRandom as _;
 use rand_pcg::Pcg64;
 use serde::Serialize;
 use trisect_catalog::entries;
-use trisect_core::Output;
+use trisect_core::{FloatFormat, Form, MultiplyAdd, Output, ReciprocalKind};
 
 use crate::measure::Progress;
-use crate::record::{self, Refusal};
+use crate::record::{Refusal, Variant};
 use crate::stats::middle;
 use crate::subject::{Inputs, Judged as _};
 use crate::surface::open_edges;
@@ -41,7 +41,7 @@ pub struct RecommendSettings {
     pub max_error: Option<f64>,
     /// Whether rays may never pass between triangles that share an edge.
     pub watertight: bool,
-    /// Whether kernels must do what a tracer does at a leaf, see [`record::Variant::is_as_in_a_tracer`].
+    /// Whether kernels must do what a tracer does at a leaf, see [`Variant::is_as_in_a_tracer`].
     pub in_tracer: bool,
     /// A method whose fastest kernel stays in the race to the end, right or wrong, to see how far it is
     /// behind.
@@ -57,7 +57,7 @@ pub struct RecommendSettings {
 pub struct Candidate {
     /// Which. What it gives may be more than was asked for.
     #[serde(flatten)]
-    pub variant: record::Variant,
+    pub variant: Variant,
     /// Median nanoseconds of a test.
     pub ns_per_test: f64,
     /// How many samples that is the median of.
@@ -77,14 +77,14 @@ pub struct Candidate {
 pub struct Decided {
     /// The method.
     pub method: &'static str,
-    /// `f32` or `f64`.
-    pub precision: &'static str,
-    /// `plain` or `fused`.
-    pub arithmetic: &'static str,
-    /// `early` or `deferred`.
-    pub division: &'static str,
-    /// `true` or `newton`.
-    pub reciprocal: &'static str,
+    /// The format of each number.
+    pub precision: FloatFormat,
+    /// How `a·b + c` is rounded.
+    pub arithmetic: MultiplyAdd,
+    /// When they divide.
+    pub division: Form,
+    /// How they divide.
+    pub reciprocal: ReciprocalKind,
     /// How many decisions were wrong.
     #[serde(flatten)]
     pub wrong: Wrong,
@@ -112,7 +112,7 @@ pub struct Exhaustive {
 #[derive(Clone, Debug, Serialize)]
 pub struct Recommendation {
     /// What was asked.
-    pub needs: &'static str,
+    pub needs: Output,
     /// The largest error allowed.
     pub max_error: Option<f64>,
     /// Whether it had to be watertight.
@@ -166,7 +166,7 @@ pub enum RecommendError {
     )]
     NoneRight {
         /// What is asked.
-        needs: &'static str,
+        needs: Output,
         /// The fewest wrong decisions.
         wrong: usize,
     },
@@ -176,7 +176,7 @@ pub enum RecommendError {
     )]
     NoneWatertight {
         /// What is asked.
-        needs: &'static str,
+        needs: Output,
     },
 }
 
@@ -225,9 +225,7 @@ pub fn recommend(
         let candidates = racing.len();
         race(&mut racing, settings, &mut random, progress)?;
         progress.phase("checking decisions", 1);
-        judge.check(&ways, |kind| {
-            racing.iter().any(|(group, c)| kind.has(group.method, c.kernel.variant))
-        });
+        judge.check(&ways, |kind| racing.iter().any(|(_, c)| kind.has(&c.kernel.variant)));
         progress.step();
         racing.retain(|racer| judge.keeps(racer));
         if racing.iter().any(|racer| judge.allows(racer)) {
@@ -248,7 +246,7 @@ pub fn recommend(
         None
     };
     Ok(Recommendation {
-        needs: settings.needs.name(),
+        needs: settings.needs,
         max_error: settings.max_error,
         watertight: settings.watertight,
         open_edges: open_edges(&inputs.triangles),
@@ -269,7 +267,7 @@ fn candidate(racer: &Racer<'_>, judge: &Judge<'_>, tests: f64) -> Candidate {
     let (group, contender) = racer;
     let quality = judge.quality(racer);
     Candidate {
-        variant: group.record_variant(contender.kernel),
+        variant: contender.kernel.variant.clone(),
         ns_per_test: middle(&contender.samples_ns) / tests,
         samples: contender.samples_ns.len(),
         bytes_per_triangle: group.bytes_per_triangle,

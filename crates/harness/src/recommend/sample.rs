@@ -52,6 +52,7 @@ pub(super) fn sample(inputs: &Inputs, order: &[usize]) -> Subject {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trisect_core::FloatFormat;
 
     #[test]
     fn a_sample_holds_what_the_rays_hit() {
@@ -63,7 +64,7 @@ mod tests {
         let counts = (subject.single.rays.len(), subject.single.triangles.len());
         assert_eq!(counts, (64, TRIANGLES));
         assert_eq!(subject.single.rays[0], inputs.rays[63]);
-        let hits = subject.of("f64").known().closest.iter().flatten().count();
+        let hits = subject.of(FloatFormat::F64).known().closest.iter().flatten().count();
         assert!(hits >= 8, "some rays meet the bunny");
         inputs.triangles.truncate(3);
         assert_eq!(sample(&inputs, &order).single.triangles, &mesh.triangles[..3]);

@@ -1,13 +1,13 @@
 //! The kernels that would do, and how good their answers are.
 
-use trisect_catalog::{Entry, Kernel, Kernels, Variant};
-use trisect_core::{Float, Hit, Output, Precision};
+use trisect_catalog::{Entry, Kernel, Kernels};
+use trisect_core::{FloatFormat, Form, Hit, MultiplyAdd, Output, Precision};
 
 use super::decisions::{Kind, Ways, Wrong, rounding};
 use super::race::Racer;
 use super::{Decided, RecommendError, RecommendSettings};
 use crate::answers::Pair;
-use crate::measure::{Group, answers_of_widest, contenders, record_variant};
+use crate::measure::{Group, answers_of_widest, contenders};
 use crate::record::Refusal;
 use crate::subject::{Inputs, Judged, Side, Subject};
 
@@ -44,9 +44,9 @@ impl<'a> Search<'a> {
         if let Err(unsuitable) = (entry.f32.prepare)(&inputs.triangles, &[]) {
             self.refused.push(Refusal {
                 method: entry.info.name.to_owned(),
-                precision: <f32 as Float>::NAME.to_owned(),
+                precision: FloatFormat::F32,
                 workload: subject.workload.name.clone(),
-                reason: unsuitable.reason,
+                reason: unsuitable.to_string(),
             });
             return;
         }
@@ -73,7 +73,7 @@ impl<'a> Search<'a> {
         let timed: Vec<&Kernel> =
             kernels.timed.iter().filter(|kernel| self.would_do(entry, kernel)).collect();
         let needs = self.settings.needs;
-        let rounded = self.judge.asks_closest().then(|| rounding(E::NAME));
+        let rounded = self.judge.asks_closest().then(|| rounding(E::FORMAT));
         let answers = answers_of_widest(&kernels.finders, &scene)
             .into_iter()
             .chain(answers_of_widest(&kernels.deciders, &scene));
@@ -89,7 +89,7 @@ impl<'a> Search<'a> {
                 error,
                 wrong: Wrong::of(answers.pairs(), &truth, rounded),
                 is_of_all: false,
-                takes_part: timed.iter().any(|k| kind.has(entry.info.name, k.variant)),
+                takes_part: timed.iter().any(|kernel| kind.has(&kernel.variant)),
             });
         }
         let Ok(scene) = (kernels.prepare)(triangles, &rays[..self.timed_rays]) else { return };
@@ -98,17 +98,14 @@ impl<'a> Search<'a> {
 
     /// Whether a kernel runs here and gives what is asked.
     fn would_do(&self, entry: &Entry, kernel: &Kernel) -> bool {
-        let Variant { lane, division, .. } = kernel.variant;
-        let is_watertight =
-            entry.info.claims.watertight && lane.arithmetic == "plain" && division == "deferred";
-        let (arrangement, needs) = (kernel.arrangement.name(), kernel.needs.name());
-        let is_in_tracer =
-            record_variant(entry.info.name, kernel.variant, arrangement, kernel.early_out, needs)
-                .is_as_in_a_tracer();
-        lane.instruction_set.is_available()
-            && gives(kernel.needs, self.settings.needs)
+        let variant = &kernel.variant;
+        let is_watertight = entry.info.claims.watertight
+            && variant.arithmetic == MultiplyAdd::Plain
+            && variant.division == Form::Deferred;
+        variant.is_available()
+            && gives(variant.needs, self.settings.needs)
             && (!self.settings.watertight || is_watertight)
-            && (!self.settings.in_tracer || is_in_tracer)
+            && (!self.settings.in_tracer || variant.is_as_in_a_tracer())
     }
 }
 
@@ -126,9 +123,9 @@ impl Judge<'_> {
     }
 
     /// How good the answers of a racer are.
-    pub(super) fn quality(&self, (group, contender): &Racer<'_>) -> &Quality {
-        let variant = contender.kernel.variant;
-        let quality = self.qualities.iter().find(|q| q.kind.has(group.method, variant));
+    pub(super) fn quality(&self, (_, contender): &Racer<'_>) -> &Quality {
+        let variant = &contender.kernel.variant;
+        let quality = self.qualities.iter().find(|q| q.kind.has(variant));
         quality.expect("what is timed has answered")
     }
 
@@ -162,7 +159,7 @@ impl Judge<'_> {
             let right = qualities().filter(|quality| quality.wrong.total() == 0);
             let least = right.map(|quality| quality.error).min_by(f64::total_cmp);
             let wrong = qualities().map(|quality| quality.wrong.total()).min();
-            let needs = self.settings.needs.name();
+            let needs = self.settings.needs;
             return Err(match (wrong, least, self.settings.max_error) {
                 (None, ..) => RecommendError::NoneWatertight { needs },
                 (_, Some(least), Some(allowed)) => RecommendError::Imprecise { allowed, least },
@@ -190,7 +187,7 @@ impl Judge<'_> {
 
     fn note(&mut self, kinds: &[Kind], found: Vec<Wrong>, is_of_all: bool) {
         for (kind, wrong) in kinds.iter().zip(found) {
-            let is_it = |q: &&mut Quality| q.kind.has(kind.entry.info.name, kind.variant);
+            let is_it = |q: &&mut Quality| q.kind.has(kind.variant);
             if let Some(quality) = self.qualities.iter_mut().find(is_it) {
                 (quality.wrong, quality.is_of_all) = (wrong, is_of_all);
             }
@@ -200,17 +197,14 @@ impl Judge<'_> {
     /// What all that took part decided wrongly.
     pub(super) fn decisions(&self) -> Vec<Decided> {
         let took_part = self.qualities.iter().filter(|quality| quality.takes_part);
-        let decided = |Quality { kind, wrong, is_of_all, .. }: &Quality| {
-            let Variant { lane, division, reciprocal } = kind.variant;
-            Decided {
-                method: kind.entry.info.name,
-                precision: lane.precision,
-                arithmetic: lane.arithmetic,
-                division,
-                reciprocal,
-                wrong: *wrong,
-                of_all_rays: *is_of_all,
-            }
+        let decided = |Quality { kind, wrong, is_of_all, .. }: &Quality| Decided {
+            method: kind.entry.info.name,
+            precision: kind.variant.precision,
+            arithmetic: kind.variant.arithmetic,
+            division: kind.variant.division,
+            reciprocal: kind.variant.reciprocal,
+            wrong: *wrong,
+            of_all_rays: *is_of_all,
         };
         took_part.map(decided).collect()
     }

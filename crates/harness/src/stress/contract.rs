@@ -7,11 +7,13 @@ use std::ops::ControlFlow;
 use rand::{Rng, RngExt};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use trisect_catalog::{Entry, Finder, Kernels, Scene};
-use trisect_core::{Culling, Float, Hit, Precision, Ray, Scalar, Triangle, Vec3};
+use trisect_catalog::{Entry, Finder, Kernels, Scene, Variant};
+use trisect_core::{
+    Culling, Float, Form, Hit, Precision, Ray, ReciprocalKind, Scalar, Triangle, Vec3,
+};
 use trisect_oracle::{Class, Oracle};
 
-use super::{In, StressSettings, flushing_variant, variant, weighs};
+use super::{In, StressSettings, flushing_variant, weighs};
 use crate::Progress;
 use crate::record::{Clause, Contract, Outcome, Record, SpecialValues};
 
@@ -48,11 +50,8 @@ where
     Entry: In<E>,
 {
     let kernels = In::<E>::kernels(entry);
-    let finders: Vec<&Finder> = kernels
-        .finders
-        .iter()
-        .filter(|finder| finder.variant.lane.instruction_set.is_available())
-        .collect();
+    let finders: Vec<&Finder> =
+        kernels.finders.iter().filter(|finder| finder.variant.is_available()).collect();
     let per_scene = (finders.len() + kernels.timed.len()) * SIDE * SIDE;
     let scenes = tests.div_ceil(per_scene as u64);
     let tallies: Vec<Vec<Tally>> = (0..scenes)
@@ -75,7 +74,7 @@ where
         .iter()
         .zip(sums)
         .map(|(finder, clauses)| {
-            Record::Contract(Contract { variant: variant(entry, finder), clauses })
+            Record::Contract(Contract { variant: finder.variant.clone(), clauses })
         })
         .collect()
 }
@@ -104,13 +103,11 @@ fn test_scene<E: Precision>(
         found.push(hits);
     }
     // Of finders that compute alike, the narrowest is the one that all others must equal.
-    let like = |a: &Finder, b: &Finder| {
-        a.variant.lane.arithmetic == b.variant.lane.arithmetic
-            && a.variant.division == b.variant.division
-            && a.variant.reciprocal == b.variant.reciprocal
-    };
     for (place, finder) in finders.iter().enumerate() {
-        let first = finders.iter().position(|other| like(other, finder)).unwrap_or(place);
+        let first = finders
+            .iter()
+            .position(|other| other.variant.rounds_like(&finder.variant))
+            .unwrap_or(place);
         let differ = found[first].len().abs_diff(found[place].len())
             + found[first].iter().zip(&found[place]).filter(|(a, b)| !is_same(a, b)).count();
         if first != place {
@@ -170,11 +167,11 @@ fn judge<E: Precision>(
 /// three times after: in the reciprocal, in its product, and in the comparison that decided. Of
 /// numerators that are subnormal the unit is absolute, and worth at most that much of the smallest
 /// denominator. Newton's reciprocal is a few units more off.
-fn slack<E: Precision>(variant: &trisect_catalog::Variant) -> f64 {
+fn slack<E: Precision>(variant: &Variant) -> f64 {
     let roundings = match (variant.division, variant.reciprocal) {
-        ("early", _) => 0.0,
-        (_, "newton") => 9.0,
-        _ => 3.0,
+        (Form::Early, _) => 0.0,
+        (Form::Deferred, ReciprocalKind::True) => 3.0,
+        (Form::Deferred, ReciprocalKind::Newton) => 9.0,
     };
     roundings * 2.0 * E::UNIT_ROUNDOFF
 }
@@ -190,7 +187,8 @@ fn same_decisions<E: Precision>(
     tally: &mut Tally,
 ) {
     let alike = kernels.timed.iter().filter(|kernel| {
-        kernel.variant == finder.variant && kernel.arrangement.serves(scene.common())
+        kernel.variant.computes_like(&finder.variant)
+            && kernel.variant.arrangement.serves(scene.common())
     });
     for kernel in alike {
         let differ = kernel.run(scene).hits.abs_diff(hits);
@@ -322,17 +320,17 @@ type Test<'a> = Box<dyn Fn(&Ray<f32>, &Triangle<f32>) -> bool + 'a>;
 fn special_values(seed: u64, entry: &Entry) -> Vec<Record> {
     const PAIRS: usize = 16;
     let pairs = trisect_workloads::Stress::Scale.pairs::<f32>(seed, 1.0, PAIRS);
-    let scalar = entry.f32.finders.iter().filter(|f| f.variant.lane.width == 1);
+    let scalar = entry.f32.finders.iter().filter(|f| f.variant.width == 1);
     let kept = scalar.map(|finder| {
         let test = move |ray: &Ray<f32>, triangle: &Triangle<f32>| {
             (entry.f32.prepare)(&[*triangle], &[*ray])
                 .is_ok_and(|scene| finder.any(&scene, Culling::None, 1)[0])
         };
-        (variant(entry, finder), false, Box::new(test) as Test<'_>)
+        (finder.variant.clone(), false, Box::new(test) as Test<'_>)
     });
     let flushed = entry.flushing.iter().map(|(division, test)| {
         let test = move |ray: &Ray<f32>, triangle: &Triangle<f32>| test(ray, triangle).is_some();
-        (flushing_variant(entry, division), true, Box::new(test) as Test<'_>)
+        (flushing_variant(entry, *division), true, Box::new(test) as Test<'_>)
     });
     kept.chain(flushed)
         .map(|(variant, flush_to_zero, test)| {

@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use trisect_catalog::{Entry, Finder};
-use trisect_core::{Culling, Precision, Ray, Triangle, Vec3};
+use trisect_core::{Culling, Form, MultiplyAdd, Precision, Ray, Triangle, Vec3};
 use trisect_workloads::{Aim, Feature, Placement, Surface};
 
-use super::{In, StressSettings, finders, variant};
+use super::{In, StressSettings, finders};
 use crate::Progress;
 use crate::record::{Record, Site, SurfaceCracks};
 
@@ -82,12 +82,12 @@ where
     // The claim is about plain arithmetic and the deferred form.
     let is_claim = |finder: &Finder| {
         entry.info.claims.watertight
-            && finder.variant.lane.arithmetic == "plain"
-            && finder.variant.division == "deferred"
+            && finder.variant.arithmetic == MultiplyAdd::Plain
+            && finder.variant.division == Form::Deferred
     };
     let mut lines: Vec<SurfaceCracks> = finders
         .iter()
-        .map(|finder| SurfaceCracks { variant: variant(entry, finder), sites: Vec::new() })
+        .map(|finder| SurfaceCracks { variant: finder.variant.clone(), sites: Vec::new() })
         .collect();
     for place in places {
         let more = settings.watertight_rays.div_ceil(claimed.max(1));

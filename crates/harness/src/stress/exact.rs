@@ -7,8 +7,8 @@ use std::ops::ControlFlow;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
-use trisect_catalog::{Builder, Entry, Finder, Tracing, TriangleHit};
-use trisect_core::{Culling, Float, Hit, Precision, Ray, Triangle, Vec3};
+use trisect_catalog::{Builder, Entry, Finder, Tracing, TriangleHit, Variant};
+use trisect_core::{Culling, Float, FloatFormat, Hit, Precision, Ray, Triangle, Vec3};
 use trisect_oracle::Oracle;
 use trisect_workloads::{Aim, Feature, Mesh, Placement, Stress, Surface, diffuse_bounce, primary};
 
@@ -243,7 +243,7 @@ fn judge<E: Precision>(
     let closest = finders[at].closest(&prepared, Culling::None, scene.rays.len());
     let closest = closest.into_iter().map(|found| found.map(|(triangle, _)| triangle));
     tally.judge_closest(2 * at, scene, closest, &truth);
-    if E::NAME != "f32" {
+    if E::FORMAT != FloatFormat::F32 {
         return;
     }
     #[allow(clippy::cast_possible_truncation, reason = "it is a number of f32")]
@@ -274,16 +274,15 @@ where
     let finders: Vec<&Finder> = In::<E>::kernels(entry)
         .finders
         .iter()
-        .filter(|finder| finder.variant.lane.instruction_set.is_available())
+        .filter(|finder| finder.variant.is_available())
         .collect();
     let mut ways: Vec<String> = Vec::new();
     for finder in &finders {
-        let lane = finder.variant.lane;
-        let (set, arithmetic) = (lane.instruction_set.name(), lane.arithmetic);
-        let lanes = format!("{}x{} {set} {arithmetic}", lane.precision, lane.width);
+        let Variant { precision, width, instruction_set, arithmetic, .. } = &finder.variant;
+        let lanes = format!("{precision}x{width} {instruction_set} {arithmetic}");
         ways.extend([format!("{lanes} one-ray"), format!("{lanes} one-triangle")]);
     }
-    if E::NAME == "f32" {
+    if E::FORMAT == FloatFormat::F32 {
         ways.extend(TRACINGS.map(|(name, _)| format!("tree {name}")));
     }
     let kinds = kinds::<E>(seed);
@@ -316,7 +315,7 @@ where
             let of_kinds = kinds.iter().zip(&tallies);
             Record::Exactness(Exactness {
                 method: entry.info.name.to_owned(),
-                precision: E::NAME.to_owned(),
+                precision: E::FORMAT,
                 way: name,
                 kinds: of_kinds
                     .map(|(kind, tally)| (kind.name.clone(), tally.counts[way]))
@@ -379,7 +378,7 @@ where
     };
     Record::Stages(Stages {
         method: entry.info.name.to_owned(),
-        precision: E::NAME.to_owned(),
+        precision: E::FORMAT,
         source: source.to_owned(),
         stages: entry.stages.iter().map(ToString::to_string).collect(),
         pairs: pairs.fold(none, one).reduce(none, sum),

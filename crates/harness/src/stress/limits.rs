@@ -4,11 +4,11 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 use trisect_catalog::{Entry, Finder};
-use trisect_core::Precision;
+use trisect_core::{MultiplyAdd, Precision};
 use trisect_workloads::Stress;
 
 use super::pairs::TruePair;
-use super::{In, StressSettings, finders, variant, weighs};
+use super::{In, StressSettings, finders, weighs};
 use crate::Progress;
 use crate::record::{Limits, Record};
 
@@ -44,7 +44,7 @@ where
                 Probes::<E> { seed: settings.seed, count: settings.probes, known: HashMap::new() };
             let plain = finders(In::<E>::kernels(*entry))
                 .into_iter()
-                .filter(|finder| finder.variant.lane.arithmetic == "plain");
+                .filter(|finder| finder.variant.arithmetic == MultiplyAdd::Plain);
             plain
                 .flat_map(|finder| {
                     KNOBS.map(|knob| probes.limits(entry, finder, knob)).into_iter().flatten()
@@ -76,7 +76,7 @@ where
         let smallest = border(1.0 / end, &mut is_right);
         let largest = border(end, &mut is_right);
         Some(Record::Limits(Limits {
-            variant: variant(entry, finder),
+            variant: finder.variant.clone(),
             family: knob.name().to_owned(),
             smallest,
             largest,

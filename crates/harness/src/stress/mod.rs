@@ -8,7 +8,7 @@ mod pairs;
 
 use rayon::prelude::*;
 use trisect_catalog::{Entry, Finder, Kernels};
-use trisect_core::{Float, Output, Precision};
+use trisect_core::{Float, FloatFormat, Form, MultiplyAdd, Output, Precision, ReciprocalKind};
 use trisect_workloads::Stress;
 
 use crate::Progress;
@@ -81,28 +81,21 @@ fn finders<E: Precision>(kernels: &Kernels<E>) -> Vec<&Finder> {
     let here: Vec<&Finder> = kernels
         .finders
         .iter()
-        .filter(|f| f.variant.lane.instruction_set.is_available() && f.variant.reciprocal == "true")
+        .filter(|f| f.variant.is_available() && f.variant.reciprocal == ReciprocalKind::True)
         .collect();
     let widest = |finder: &&Finder| {
-        let like =
-            |other: &&&Finder| other.variant.lane.arithmetic == finder.variant.lane.arithmetic;
-        let width = here.iter().filter(like).map(|other| other.variant.lane.width).max();
-        width == Some(finder.variant.lane.width)
+        let like = |other: &&&Finder| other.variant.arithmetic == finder.variant.arithmetic;
+        let width = here.iter().filter(like).map(|other| other.variant.width).max();
+        width == Some(finder.variant.width)
     };
     here.iter().copied().filter(widest).collect()
 }
 
-/// The name of a finder's variant in records.
-fn variant(entry: &Entry, finder: &Finder) -> Variant {
-    let asked = if weighs(entry) { Output::Barycentrics } else { Output::T };
-    crate::measure::record_variant(entry.info.name, finder.variant, "one-ray", true, asked.name())
-}
-
-/// The name of a test in flushing arithmetic.
-fn flushing_variant(entry: &Entry, division: &str) -> Variant {
-    let scalar = entry.f32.finders.iter().find(|f| f.variant.lane.width == 1);
+/// The variant that a test in flushing arithmetic stands for.
+fn flushing_variant(entry: &Entry, division: Form) -> Variant {
+    let scalar = entry.f32.finders.iter().find(|finder| finder.variant.width == 1);
     let scalar = scalar.expect("scalars are compiled for every processor");
-    Variant { division: division.to_owned(), ..variant(entry, scalar) }
+    Variant { division, ..scalar.variant.clone() }
 }
 
 /// Whether a method gives barycentrics.
@@ -178,9 +171,9 @@ fn hard_pairs(settings: &StressSettings, progress: &mut dyn Progress) -> Vec<Rec
     progress.phase("stress: pairs", settings.methods.len() as u64);
     let mut lines = Vec::new();
     for entry in &settings.methods {
-        lines.extend(family_records(entry, &single, "f32", true));
-        lines.extend(family_records(entry, &double, "f64", true));
-        lines.extend(family_records(entry, &widened, "f32", false));
+        lines.extend(family_records(entry, &single, FloatFormat::F32, true));
+        lines.extend(family_records(entry, &double, FloatFormat::F64, true));
+        lines.extend(family_records(entry, &widened, FloatFormat::F32, false));
         lines.extend(pairs::flushing(entry, &single));
         progress.step();
     }
@@ -198,7 +191,7 @@ impl Set<f32> {
 fn family_records<E: Precision>(
     entry: &Entry,
     sets: &[Set<E>],
-    inputs: &str,
+    inputs: FloatFormat,
     by_level: bool,
 ) -> Vec<Record>
 where
@@ -219,23 +212,23 @@ where
         .collect();
     let mut lines = Vec::new();
     for (number, finder) in finders.iter().enumerate() {
-        let named = variant(entry, finder);
+        let named = &finder.variant;
         let asked = || sets.iter().zip(answers.iter().map(|of_set| &of_set[number][..]));
-        if finder.variant.lane.arithmetic == "plain" {
+        if named.arithmetic == MultiplyAdd::Plain {
             if by_level {
-                lines.extend(score(&named, weighs(entry), asked(), inputs, false));
+                lines.extend(score(named, weighs(entry), asked(), inputs, false));
             }
         } else {
             let is_twin = |other: &&Finder| {
-                other.variant.lane.arithmetic == "plain"
-                    && other.variant.division == finder.variant.division
+                other.variant.arithmetic == MultiplyAdd::Plain
+                    && other.variant.division == named.division
             };
             let twin = finders.iter().position(is_twin);
             let twin = twin.expect("what is compiled fused is compiled plain as well");
             let plain = answers.iter().map(|of_set| &of_set[twin][..]);
             lines.push(difference(named.clone(), weighs(entry), asked().zip(plain), inputs));
         }
-        lines.extend(pairs::by_condition(&named, weighs(entry), asked(), inputs));
+        lines.extend(pairs::by_condition(named, weighs(entry), asked(), inputs));
     }
     lines
 }

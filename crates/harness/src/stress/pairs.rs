@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use trisect_catalog::{Entry, Finder, Kernels};
-use trisect_core::{Culling, Float, Hit, Precision, Ray, Scalar, Triangle, Vec3};
+use trisect_core::{Culling, Float, FloatFormat, Hit, Precision, Ray, Scalar, Triangle, Vec3};
 use trisect_oracle::{Class, Condition, Oracle, Truth};
 use trisect_workloads::Stress;
 
@@ -194,7 +194,7 @@ pub(super) fn score<'a, E: Float>(
     variant: &Variant,
     weighs: bool,
     asked: impl Iterator<Item = (&'a Set<E>, &'a [Answer])>,
-    inputs: &str,
+    inputs: FloatFormat,
     flush_to_zero: bool,
 ) -> Vec<Record> {
     let mut families: Vec<StressFamily> = Vec::new();
@@ -206,7 +206,7 @@ pub(super) fn score<'a, E: Float>(
                 variant: variant.clone(),
                 family: name.to_owned(),
                 knob: set.family.knob().to_owned(),
-                inputs: inputs.to_owned(),
+                inputs,
                 flush_to_zero,
                 levels: Vec::new(),
             });
@@ -263,8 +263,8 @@ pub(super) fn flushing(entry: &Entry, sets: &[Set<f32>]) -> Vec<Record> {
             .map(|set| set.pairs.iter().map(|pair| test(&pair.ray, &pair.triangle)).collect())
             .collect();
         let asked = small.iter().copied().zip(answers.iter().map(Vec::as_slice));
-        let named = flushing_variant(entry, division);
-        lines.extend(score(&named, weighs(entry), asked, "f32", true));
+        let named = flushing_variant(entry, *division);
+        lines.extend(score(&named, weighs(entry), asked, FloatFormat::F32, true));
     }
     lines
 }
@@ -286,7 +286,7 @@ pub(super) fn by_condition<'a, E: Float>(
     variant: &Variant,
     weighs: bool,
     asked: impl Iterator<Item = (&'a Set<E>, &'a [Answer])>,
-    inputs: &str,
+    inputs: FloatFormat,
 ) -> Vec<Record> {
     let mut found: [Vec<(f64, f64, f64)>; 3] = Default::default();
     for (set, answers) in asked.filter(|(set, _)| !is_about_range(set.family)) {
@@ -308,7 +308,7 @@ pub(super) fn by_condition<'a, E: Float>(
             let decades = (0..20).map(|k| (10_f64.powi(k), 10_f64.powi(k + 1)));
             Record::ByCondition(ByCondition {
                 variant: variant.clone(),
-                inputs: inputs.to_owned(),
+                inputs,
                 quantity: quantity.to_owned(),
                 decades: decades.filter_map(|range| bin(&points, range)).collect(),
                 strata: STRATA.into_iter().filter_map(|range| bin(&points, range)).collect(),
@@ -335,7 +335,7 @@ pub(super) fn difference<'a, E: Float>(
     variant: Variant,
     weighs: bool,
     asked: impl Iterator<Item = ((&'a Set<E>, &'a [Answer]), &'a [Answer])>,
-    inputs: &str,
+    inputs: FloatFormat,
 ) -> Record {
     let (mut pairs, mut decisions) = (0, 0);
     let mut differences: [Vec<f64>; 3] = Default::default();
@@ -363,7 +363,7 @@ pub(super) fn difference<'a, E: Float>(
     let [t, beta, gamma] = differences.map(spread);
     Record::FusedDifference(FusedDifference {
         variant,
-        inputs: inputs.to_owned(),
+        inputs,
         pairs,
         decisions,
         t,

@@ -10,7 +10,7 @@ use rand::seq::SliceRandom as _;
 use rand_pcg::Pcg64;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use trisect_catalog::{Builder, Entry, Leaves, Statistics, Tracing, Tree, find};
-use trisect_core::{Float as _, UnsuitableMesh};
+use trisect_core::{FloatFormat, Output, UnsuitableMesh};
 use trisect_workloads::{Mesh, RayClass};
 
 use crate::Progress;
@@ -53,7 +53,7 @@ pub fn keep_for_study(line: &Record) -> bool {
     match line {
         Record::Throughput(Throughput { variant, .. }) => {
             variant.is_as_in_a_tracer()
-                && matches!(variant.needs.as_str(), "occlusion" | "t" | "barycentrics")
+                && matches!(variant.needs, Output::Occlusion | Output::T | Output::Barycentrics)
         }
         line => matches!(line, Record::Method(_) | Record::Workload(_)),
     }
@@ -201,7 +201,7 @@ impl Run<'_> {
             let mut resident = match Resident::build(entry, scene, TREE, &self.all, contest) {
                 Ok(resident) => resident,
                 Err(unsuitable) => {
-                    self.refuse(entry, scene, unsuitable);
+                    self.refuse(entry, scene, &unsuitable);
                     (0..classes.len()).for_each(|_| self.progress.step());
                     continue;
                 }
@@ -238,12 +238,12 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn refuse(&mut self, entry: &Entry, scene: &Mesh, unsuitable: UnsuitableMesh) {
+    fn refuse(&mut self, entry: &Entry, scene: &Mesh, unsuitable: &UnsuitableMesh) {
         self.lines.push(Record::Refusal(Refusal {
             method: entry.info.name.to_owned(),
-            precision: f32::NAME.to_owned(),
+            precision: FloatFormat::F32,
             workload: scene.name.clone(),
-            reason: unsuitable.reason,
+            reason: unsuitable.to_string(),
         }));
     }
 

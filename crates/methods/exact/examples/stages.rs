@@ -23,7 +23,7 @@ fn row(name: &str, stages: impl Iterator<Item = Stage>) {
 }
 
 fn table<E: Precision>() {
-    println!("\n| {}: per cent of pairs | miss | filter | f64 | whole |", E::NAME);
+    println!("\n| {}: per cent of pairs | miss | filter | f64 | whole |", E::FORMAT);
     println!("| --- | --: | --: | --: | --: |");
     let scene = random(1, 200, 500);
     let pairs = scene.rays.iter().flat_map(|ray| scene.triangles.iter().map(move |t| (ray, t)));

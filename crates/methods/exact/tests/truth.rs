@@ -123,7 +123,7 @@ impl<M: Method, E: Precision> LanesVisitor for Wrong<'_, M, E> {
                 }
             },
         );
-        let name = format!("{}×{} {} {}", E::NAME, L::N, L::Token::INSTRUCTION_SET, L::FUSED);
+        let name = format!("{}×{} {} {}", E::FORMAT, L::N, L::Token::INSTRUCTION_SET, L::FUSED);
         self.judge(&answers, &format!("one ray, {name}"));
         let mut answers: Answers = vec![None; SIDE * SIDE];
         token.run(
@@ -248,7 +248,7 @@ fn stress_families<E: Precision>() {
             }
         }
     }
-    println!("{}: {tests} tests", E::NAME);
+    println!("{}: {tests} tests", E::FORMAT);
 }
 
 #[test]

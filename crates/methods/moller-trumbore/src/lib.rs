@@ -2,8 +2,8 @@
 #![forbid(unsafe_code)]
 
 use trisect_core::{
-    Corners, Culling, Division, Early, Forms, Hit, Homogeneous, Implied, Input, Interval, Lanes,
-    Method, MethodInfo, Of, Output, Ray, Scalar, Triangle, TrueDivision, Vec3, record, seen,
+    Corners, Culling, Division, Form, Forms, Hit, Homogeneous, Implied, Input, Interval, Lanes,
+    Method, MethodInfo, Of, Output, Ray, Scalar, Triangle, Vec3, record, seen,
 };
 
 record! {
@@ -224,7 +224,7 @@ impl<const ORDER: u8> Method for PublishedOrder<ORDER> {
         found: impl FnOnce(L::Mask, Hit<L>),
     ) {
         // Known when it is compiled. The early form decides alike whatever is asked of it.
-        let divides_first = D::NAME == Early::<TrueDivision, true>::NAME;
+        let divides_first = matches!(D::FORM, Form::Early);
         if ORDER == 1 && divides_first {
             Self::test_quotients::<L, D>(ray, corners, interval, culling, found);
         } else {

@@ -1,8 +1,9 @@
 //! How the axis that a triangle is projected along is kept.
 
-use trisect_core::{
-    Lanes, Of, Ray, Record, Scalar, Triangle, UnsuitableMesh, Vec3, common_projection_axis, record,
-};
+use core::error::Error;
+use core::fmt;
+
+use trisect_core::{Lanes, Of, Ray, Record, Scalar, Triangle, UnsuitableMesh, Vec3, record};
 
 record! {
     /// Nothing but the axis `w`; `u` and `v` follow by table.
@@ -70,8 +71,57 @@ impl<const FIXED: bool> AxisChoice for Sorted<FIXED> {
         *ray
     }
     fn mesh_axis<X: Scalar>(triangles: &[Triangle<X>]) -> Result<Option<usize>, UnsuitableMesh> {
-        if FIXED { common_projection_axis(triangles).map(Some) } else { Ok(None) }
+        if FIXED { common_axis(triangles).map(Some).map_err(UnsuitableMesh::new) } else { Ok(None) }
     }
+}
+
+/// The triangles of a mesh share no axis to be projected along.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoCommonAxis {
+    /// Per axis, the number of a triangle that is parallel to it.
+    pub parallel: [usize; 3],
+}
+
+impl fmt::Display for NoCommonAxis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.parallel;
+        write!(
+            f,
+            "the triangles share no axis to be projected along: triangle {x} is parallel to x, \
+             {y} to y, {z} to z; use wald, which has an axis per triangle"
+        )
+    }
+}
+
+impl Error for NoCommonAxis {}
+
+/// The axis that all triangles of a mesh can be projected along: the one along which the least
+/// favourable triangle keeps the largest share of its area.
+fn common_axis<X: Scalar>(triangles: &[Triangle<X>]) -> Result<usize, NoCommonAxis> {
+    let zero = X::from_f64(0.0);
+    let mut shares = [(X::from_f64(1.0), 0); 3];
+    for (number, triangle) in triangles.iter().enumerate() {
+        // What never hits does so whatever the axis.
+        let n = triangle.or_nothing().normal().map(X::abs);
+        let largest = n.to_array()[n.largest_axis()];
+        if largest > zero {
+            for (least, share) in shares.iter_mut().zip(n.map(|x| x / largest).to_array()) {
+                if share < least.0 {
+                    *least = (share, number);
+                }
+            }
+        }
+    }
+    let mut best = 0;
+    for axis in 1..3 {
+        if shares[axis].0 > shares[best].0 {
+            best = axis;
+        }
+    }
+    if shares[best].0 > zero {
+        return Ok(best);
+    }
+    Err(NoCommonAxis { parallel: shares.map(|(_, number)| number) })
 }
 
 /// Each triangle carries its axis `w`; the two others are looked up.

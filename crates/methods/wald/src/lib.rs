@@ -10,7 +10,7 @@ use trisect_core::{
 
 mod axis;
 
-pub use axis::{AxisChoice, ByIndices, ByTable, Fixed, Grouped, Sorted};
+pub use axis::{AxisChoice, ByIndices, ByTable, Fixed, Grouped, NoCommonAxis, Sorted};
 
 record! {
     /// Slopes over the projected plane: the triangle's plane scaled to `n|w = 1`, `beta`, `gamma`.

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use trisect_core::{Arrangement, FloatFormat, Form, MultiplyAdd, Output, ReciprocalKind};
 use trisect_harness::record::Variant;
 
 use crate::format::{or_dash, ratio};
@@ -21,21 +22,21 @@ struct Times {
 }
 
 impl Times {
-    fn of(view: &View, method: &str, width: usize, division: Option<&str>) -> Self {
-        let of = |asked: &[&str]| {
+    fn of(view: &View, method: &str, width: usize, division: Option<Form>) -> Self {
+        let of = |asked: Output| {
             let keep = |v: &Variant| {
-                (v.method.as_str(), v.precision.as_str(), v.width) == (method, "f32", width)
-                    && v.arithmetic == "fused"
-                    && v.arrangement == "one-ray"
-                    && v.reciprocal == "true"
+                (v.method.as_ref(), v.precision, v.width) == (method, FloatFormat::F32, width)
+                    && v.arithmetic == MultiplyAdd::Fused
+                    && v.arrangement == Arrangement::OneRay
+                    && v.reciprocal == ReciprocalKind::True
                     && !v.early_out
                     && division.is_none_or(|division| v.division == division)
-                    && asked.contains(&v.needs.as_str())
+                    && v.needs == asked
             };
             fastest(view, keep).map(|(_, ns)| ns)
         };
-        let full = of(&["barycentrics"]).or_else(|| of(&["t"]));
-        Self { hit: of(&["occlusion"]), full }
+        let full = of(Output::Barycentrics).or_else(|| of(Output::T));
+        Self { hit: of(Output::Occlusion), full }
     }
 
     /// How much longer the fullest hit takes.
@@ -47,13 +48,16 @@ impl Times {
 /// Of every method, what is gained where only whether there is a hit is asked for, and what follows; nothing
 /// where no method was timed.
 pub(crate) fn page(view: &View) -> String {
-    let lanes = view.throughput.keys().filter(|v| v.precision == "f32" && v.arithmetic == "fused");
+    let lanes = view
+        .throughput
+        .keys()
+        .filter(|v| v.precision == FloatFormat::F32 && v.arithmetic == MultiplyAdd::Fused);
     let width = lanes.map(|v| v.width).max().unwrap_or(1);
     let mut table = Table::new(&["method", "numerators", "quotients", "fastest"]);
     let (mut gains, mut divide) = (Vec::new(), 0);
     let is_timed = |name: &&str| view.throughput.keys().any(|v| v.method == *name);
     for name in view.facts.iter().map(|facts| facts.name.as_str()).filter(is_timed) {
-        let [deferred, early, either] = [Some("deferred"), Some("early"), None]
+        let [deferred, early, either] = [Some(Form::Deferred), Some(Form::Early), None]
             .map(|division| Times::of(view, name, width, division));
         let columns = [&deferred, &early, &either].map(|times| or_dash(times.gain(), ratio));
         table.rows.push([vec![name.to_owned()], columns.into()].concat());

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use trisect_core::FloatFormat;
 use trisect_harness::record::{ExactCounts, Exactness, Record};
 
 use crate::format::{grouped, or_dash};
@@ -27,7 +28,7 @@ pub struct ExactnessRow {
     /// The method.
     pub method: String,
     /// `f32` or `f64`.
-    pub precision: String,
+    pub precision: FloatFormat,
     /// The kind of scene.
     pub kind: String,
     /// What was tested, and what was wrong.
@@ -45,12 +46,12 @@ pub fn exactness_summary<'a>(records: impl IntoIterator<Item = &'a Record>) -> E
 }
 
 pub(super) fn summed<'a>(records: impl IntoIterator<Item = &'a Exactness>) -> ExactnessSummary {
-    let mut sums: BTreeMap<(&str, &str, &str), ExactCounts> = BTreeMap::new();
+    let mut sums: BTreeMap<(&str, FloatFormat, &str), ExactCounts> = BTreeMap::new();
     let mut summary = ExactnessSummary { rows: Vec::new(), ways: 0, first_wrong: None };
     for Exactness { method, precision, way, kinds, first_wrong } in records {
         summary.ways += 1;
         for (kind, counts) in kinds {
-            sums.entry((method, precision, kind)).or_default().add(counts);
+            sums.entry((method, *precision, kind)).or_default().add(counts);
         }
         if let (None, Some(wrong)) = (&summary.first_wrong, first_wrong) {
             summary.first_wrong = Some(format!("{method}, {way}: {wrong}"));
@@ -58,7 +59,7 @@ pub(super) fn summed<'a>(records: impl IntoIterator<Item = &'a Exactness>) -> Ex
     }
     let rows = sums.into_iter().map(|((method, precision, kind), counts)| ExactnessRow {
         method: method.to_owned(),
-        precision: precision.to_owned(),
+        precision,
         kind: kind.to_owned(),
         counts,
     });
@@ -109,7 +110,7 @@ const HEAD: [&str; 7] = ["scenes", "precision", "tests", "wrong", "values", "ray
 
 fn cells(row: &ExactnessRow) -> Vec<String> {
     let ExactCounts { tests, wrong, wrong_values, rays, wrong_closest } = row.counts;
-    let mut cells = vec![row.kind.clone(), row.precision.clone()];
+    let mut cells = vec![row.kind.clone(), row.precision.to_string()];
     cells.extend([tests, wrong, wrong_values, rays, wrong_closest].map(grouped));
     cells
 }
@@ -142,7 +143,7 @@ pub(crate) fn stages(view: &View) -> Table {
         let mut row = vec![
             stages.source.clone(),
             stages.method.clone(),
-            stages.precision.clone(),
+            stages.precision.to_string(),
             grouped(all),
         ];
         row.extend(table.head[4..].iter().map(|name| {

@@ -1,5 +1,6 @@
 //! The figures of the stability study.
 
+use trisect_core::FloatFormat;
 use trisect_harness::record::{Bin, ByCondition, Site, StressFamily, StressLevel, Variant};
 
 use super::{families, family_names, first_failure, pairs, stands_for};
@@ -106,9 +107,15 @@ fn panel(title: &str, x: (&str, Scale), y: (&str, Scale), series: Vec<Series>) -
 }
 
 /// The line of a method in f32, and that of the reference in f64, on the numbers of f32.
-fn conditions<'a>(view: &View<'a>, method: &str, precision: &str) -> Option<&'a ByCondition> {
+fn conditions<'a>(
+    view: &View<'a>,
+    method: &str,
+    precision: FloatFormat,
+) -> Option<&'a ByCondition> {
     view.by_condition.iter().copied().find(|b| {
-        b.inputs == "f32" && b.quantity == "t" && stands_for(view, &b.variant, method, precision)
+        b.inputs == FloatFormat::F32
+            && b.quantity == "t"
+            && stands_for(view, &b.variant, method, precision)
     })
 }
 
@@ -131,12 +138,12 @@ fn by_condition(view: &View) -> Figure {
     ];
     let panels = drawn.map(|(title, of)| {
         let points = points(of);
-        let reference = conditions(view, BASELINE, "f64");
+        let reference = conditions(view, BASELINE, FloatFormat::F64);
         // What is 0 has no place on a logarithmic axis that others fill.
         let above = |points: Vec<(f64, f64)>| points.into_iter().filter(|p| p.1 > 0.0).collect();
         let series = lines(
             view,
-            |method| above(points(conditions(view, method, "f32"))),
+            |method| above(points(conditions(view, method, FloatFormat::F32))),
             above(points(reference)),
         );
         let y = if title.contains('κ') { "error of t over κ·u" } else { "relative error of t" };
@@ -174,7 +181,7 @@ fn drawing(view: &View, panels: Vec<Panel>) -> Result<Drawing, String> {
 fn family<'a>(
     view: &View<'a>,
     method: &str,
-    precision: &str,
+    precision: FloatFormat,
     name: &str,
 ) -> Option<&'a StressFamily> {
     families(view, method, precision).find(|family| family.family == name)
@@ -193,12 +200,12 @@ fn decisions(view: &View) -> Figure {
     };
     let panels = family_names(view)
         .into_iter()
-        .filter(|(name, _)| points(family(view, BASELINE, "f32", name)).len() > 3)
+        .filter(|(name, _)| points(family(view, BASELINE, FloatFormat::F32, name)).len() > 3)
         .map(|(name, knob)| {
             let series = lines(
                 view,
-                |method| points(family(view, method, "f32", name)),
-                points(family(view, BASELINE, "f64", name)),
+                |method| points(family(view, method, FloatFormat::F32, name)),
+                points(family(view, BASELINE, FloatFormat::F64, name)),
             );
             panel(name, (knob, Scale::Log), ("wrong decisions", Scale::Linear), series)
         })
@@ -216,7 +223,7 @@ fn decisions(view: &View) -> Figure {
 }
 
 fn cracks(view: &View) -> Figure {
-    let points = |method: &str, precision: &str, aim: &str, by_offset: bool| {
+    let points = |method: &str, precision: FloatFormat, aim: &str, by_offset: bool| {
         let sites = view
             .surface_cracks
             .iter()
@@ -245,8 +252,8 @@ fn cracks(view: &View) -> Figure {
     .map(|(title, aim, by_offset)| {
         let series = lines(
             view,
-            |method| points(method, "f32", aim, by_offset),
-            points(BASELINE, "f64", aim, by_offset),
+            |method| points(method, FloatFormat::F32, aim, by_offset),
+            points(BASELINE, FloatFormat::F64, aim, by_offset),
         );
         let x = if by_offset { "offset" } else { "scale" };
         panel(title, (x, Scale::Log), ("rays that pass through", Scale::Linear), series)
@@ -268,7 +275,7 @@ fn cracks(view: &View) -> Figure {
 fn map(view: &View) -> Figure {
     let names = family_names(view);
     let mut panels = Vec::new();
-    for precision in ["f32", "f64"] {
+    for precision in [FloatFormat::F32, FloatFormat::F64] {
         let rows: Vec<(String, Vec<Cell>)> = view
             .methods()
             .iter()
@@ -281,7 +288,7 @@ fn map(view: &View) -> Figure {
             .collect();
         if !rows.is_empty() {
             panels.push(Panel::Map(Map {
-                title: precision.into(),
+                title: precision.to_string(),
                 columns: (1..=names.len()).map(|i| i.to_string()).collect(),
                 rows,
             }));
@@ -327,17 +334,9 @@ fn pareto(view: &View) -> Figure {
     let timed = summary::plane(view);
     let strata = [("Easy: κ below 100", 0.0), ("Stiff: κ below a million", 1e2), ("Extreme", 1e6)];
     let error = |variant: &Variant, from: f64| {
-        let same = |v: &Variant| {
-            v.method == variant.method
-                && v.precision == variant.precision
-                && v.arithmetic == variant.arithmetic
-                && v.division == variant.division
-                && v.reciprocal == variant.reciprocal
-        };
-        let line = view
-            .by_condition
-            .iter()
-            .find(|b| b.inputs == "f32" && b.quantity == "t" && same(&b.variant))?;
+        let line = view.by_condition.iter().find(|b| {
+            b.inputs == FloatFormat::F32 && b.quantity == "t" && variant.rounds_like(&b.variant)
+        })?;
         let bin = line.strata.iter().find(|bin| bin.from == from)?;
         Some(f64::from(bin.error.0))
     };
@@ -351,7 +350,7 @@ fn pareto(view: &View) -> Figure {
         if points.is_empty() {
             continue;
         }
-        let reference = conditions(view, BASELINE, "f64")
+        let reference = conditions(view, BASELINE, FloatFormat::F64)
             .and_then(|line| line.strata.iter().find(|bin| bin.from == from))
             .map(|bin| f64::from(bin.error.0));
         panels.push(Panel::Plane(pareto_panel(view, title, &points, reference)));
@@ -406,7 +405,7 @@ fn pareto_panel(
         for &method in view.methods().iter().filter(|m| marked.contains(*m) == told) {
             let plain = Look { ink: Ink::Grid, shape: Shape::Circle };
             let look = if told { look(view, method) } else { plain };
-            for (precision, filled) in [("f64", false), ("f32", true)] {
+            for (precision, filled) in [(FloatFormat::F64, false), (FloatFormat::F32, true)] {
                 let points = points
                     .iter()
                     .filter(|(v, _)| v.method == method && v.precision == precision)

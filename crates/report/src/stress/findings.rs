@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use trisect_core::{FloatFormat, MultiplyAdd};
 use trisect_harness::record::{Site, Variant};
 
 use super::figures::level_text;
@@ -147,10 +148,10 @@ struct Study<'a, 'b> {
 
 impl Study<'_, '_> {
     fn rows(&self) -> impl Iterator<Item = &StressRow> {
-        self.summary.rows.iter().filter(|row| row.precision == "f32")
+        self.summary.rows.iter().filter(|row| row.precision == FloatFormat::F32)
     }
 
-    fn row(&self, method: &str, precision: &str) -> Option<&StressRow> {
+    fn row(&self, method: &str, precision: FloatFormat) -> Option<&StressRow> {
         self.summary.rows.iter().find(|row| row.method == method && row.precision == precision)
     }
 
@@ -159,7 +160,7 @@ impl Study<'_, '_> {
         fastest(self.view, |v| {
             v.method == row.method
                 && v.precision == row.precision
-                && Some(v.needs.as_str()) == self.view.main_need()
+                && Some(v.needs) == self.view.main_need()
                 && (!row.is_tight() || self.is_tight(v))
         })
     }
@@ -180,7 +181,7 @@ impl Study<'_, '_> {
 
     /// The first aspect of a sliver at which a method fails.
     fn thin_of(&self, row: &StressRow) -> Option<f64> {
-        let mut families = families(self.view, &row.method, &row.precision);
+        let mut families = families(self.view, &row.method, row.precision);
         let sliver = families.find(|family| family.family == "sliver")?;
         Some(first_failure(sliver).map_or(f64::INFINITY, |(_, level)| level.level))
     }
@@ -254,7 +255,7 @@ impl Study<'_, '_> {
              others pass, per million rays aimed at edges, {}. A wider type does not mend it: Möller–Trumbore in f64, \
              its rays aimed in f64, lets {} of a million through. (Figure *Cracks*.)",
             ends.unwrap_or_default(),
-            self.row(BASELINE, "f64")
+            self.row(BASELINE, FloatFormat::F64)
                 .and_then(|row| row.edge_cracks)
                 .map_or_else(|| "–".to_owned(), number),
         )
@@ -281,7 +282,7 @@ impl Study<'_, '_> {
         let twins: Vec<(bool, f64)> = self
             .rows()
             .filter_map(|row| {
-                let near = self.row(row.method.strip_suffix("-relative")?, "f32")?;
+                let near = self.row(row.method.strip_suffix("-relative")?, FloatFormat::F32)?;
                 let speed = self.speed(near)?.1 / self.speed(row)?.1;
                 Some((limited(near) && !limited(row), speed))
             })
@@ -345,7 +346,7 @@ impl Study<'_, '_> {
 
     fn grazing(&self) -> String {
         let first = |row: &StressRow| {
-            let mut families = families(self.view, &row.method, &row.precision);
+            let mut families = families(self.view, &row.method, row.precision);
             let grazing = families.find(|family| family.family == "grazing")?;
             first_failure(grazing).map(|(_, level)| level.level)
         };
@@ -380,7 +381,7 @@ impl Study<'_, '_> {
         let span = |row: &StressRow| row.scale.map(|[low, high]| high.log10() - low.log10());
         let wider: Vec<f64> = self
             .rows()
-            .filter_map(|row| Some(span(self.row(&row.method, "f64")?)? / span(row)?))
+            .filter_map(|row| Some(span(self.row(&row.method, FloatFormat::F64)?)? / span(row)?))
             .collect();
         let groups: Vec<String> = groups
             .into_iter()
@@ -398,7 +399,7 @@ impl Study<'_, '_> {
         let pairs: Vec<(f64, f64)> = self
             .rows()
             .filter_map(|row| {
-                let wide = self.row(&row.method, "f64")?;
+                let wide = self.row(&row.method, FloatFormat::F64)?;
                 Some((wide.distance? / row.distance?, self.speed(wide)?.1 / self.speed(row)?.1))
             })
             .collect();
@@ -414,10 +415,10 @@ impl Study<'_, '_> {
     }
 
     fn fused(&self) -> String {
-        let cracks = |arithmetic: &str, method: &str| {
+        let cracks = |arithmetic: MultiplyAdd, method: &str| {
             let alike = self.view.surface_cracks.iter().map(|c| &c.variant).find(|v| {
                 v.method == method
-                    && v.precision == "f32"
+                    && v.precision == FloatFormat::F32
                     && v.division == division(self.view, method)
                     && v.arithmetic == arithmetic
             })?;
@@ -429,15 +430,15 @@ impl Study<'_, '_> {
             let dash = || "–".to_owned();
             format!(
                 "`{method}` {} plain and {} fused",
-                cracks("plain", method).unwrap_or_else(dash),
-                cracks("fused", method).unwrap_or_else(dash)
+                cracks(MultiplyAdd::Plain, method).unwrap_or_else(dash),
+                cracks(MultiplyAdd::Fused, method).unwrap_or_else(dash)
             )
         };
         let shares: Vec<f64> = self
             .view
             .fused_differences
             .iter()
-            .filter(|d| d.inputs == "f32" && d.variant.precision == "f32")
+            .filter(|d| d.inputs == FloatFormat::F32 && d.variant.precision == FloatFormat::F32)
             .map(|d| d.decisions as f64 * 100.0 / d.pairs.max(1) as f64)
             .collect();
         format!(
@@ -458,8 +459,8 @@ impl Study<'_, '_> {
                 s.flush_to_zero == flushed
                     && s.family == "scale"
                     && s.variant.method == method
-                    && s.variant.precision == "f32"
-                    && s.variant.arithmetic == "plain"
+                    && s.variant.precision == FloatFormat::F32
+                    && s.variant.arithmetic == MultiplyAdd::Plain
                     && s.variant.division == division(self.view, method)
             })?;
             let small = family.levels.iter().filter(|level| level.level < 1.0);
@@ -490,9 +491,9 @@ impl Study<'_, '_> {
 
     fn reference(&self) -> String {
         let line = self.view.by_condition.iter().find(|b| {
-            b.inputs == "f32"
+            b.inputs == FloatFormat::F32
                 && b.quantity == "t"
-                && stands_for(self.view, &b.variant, BASELINE, "f64")
+                && stands_for(self.view, &b.variant, BASELINE, FloatFormat::F64)
         });
         let worst = line.and_then(|line| line.decades.last());
         let says = worst.map_or_else(

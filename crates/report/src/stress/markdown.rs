@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use trisect_core::{FloatFormat, Form};
 use trisect_harness::record::{Clause, Limits, StressFamily, StressLevel};
 
 use super::figures::level_text;
@@ -13,7 +14,7 @@ use crate::markdown::Table;
 use crate::view::View;
 
 /// A row per method in one precision.
-pub(crate) fn methods(view: &View, precision: &str) -> Table {
+pub(crate) fn methods(view: &View, precision: FloatFormat) -> Table {
     let mut table = Table::new(&[
         "method",
         "form",
@@ -36,7 +37,7 @@ pub(crate) fn methods(view: &View, precision: &str) -> Table {
         let StressRow { method, division, false_hits, false_misses, .. } = row;
         table.rows.push(vec![
             method.clone(),
-            division.clone(),
+            division.to_string(),
             number(row.wrong_percent()),
             grouped(*false_hits),
             grouped(*false_misses),
@@ -66,7 +67,7 @@ pub(crate) const METHODS: &str = "wrong: pairs of all hard families but random b
     probes are right to a thousandth, found by bisection. Plain arithmetic.";
 
 /// The first level of each family at which a method is wrong by more than a thousandth.
-pub(crate) fn first_failures(view: &View, precision: &str) -> Table {
+pub(crate) fn first_failures(view: &View, precision: FloatFormat) -> Table {
     let names = family_names(view);
     let mut table = Table { head: vec!["method".into()], rows: Vec::new() };
     table.head.extend(names.iter().map(|(name, _)| (*name).to_owned()));
@@ -171,7 +172,7 @@ pub(crate) fn arithmetic(view: &View) -> Table {
                 && (s.family == "scale" || s.family == "subnormal")
                 && s.variant.division == super::division(view, method)
                 && s.variant.method == method
-                && s.variant.precision == "f32"
+                && s.variant.precision == FloatFormat::F32
         });
         // All that is subnormal is below.
         let is_small = |family: &StressFamily, level: &StressLevel| {
@@ -188,8 +189,8 @@ pub(crate) fn arithmetic(view: &View) -> Table {
     let percent = |x: Option<f64>| or_dash(x, |x| format!("{} %", number(x)));
     for &method in view.methods() {
         let fused = view.fused_differences.iter().find(|d| {
-            d.inputs == "f32"
-                && d.variant.precision == "f32"
+            d.inputs == FloatFormat::F32
+                && d.variant.precision == FloatFormat::F32
                 && d.variant.method == method
                 && d.variant.division == super::division(view, method)
         });
@@ -239,8 +240,8 @@ pub(crate) fn limits(view: &View) -> Table {
         "offset",
     ]);
     for &method in view.methods() {
-        for precision in ["f32", "f64"] {
-            for division in ["deferred", "early"] {
+        for precision in [FloatFormat::F32, FloatFormat::F64] {
+            for division in [Form::Deferred, Form::Early] {
                 let find = |family: &str| {
                     view.limits.iter().copied().find(|l: &&Limits| {
                         l.family == family
@@ -254,7 +255,7 @@ pub(crate) fn limits(view: &View) -> Table {
                     continue;
                 }
                 let [scale, length, distance, offset] = all;
-                let mut row = vec![method.to_owned(), precision.to_owned(), division.to_owned()];
+                let mut row = vec![method.to_owned(), precision.to_string(), division.to_string()];
                 for both in [scale, length] {
                     row.push(or_dash(both.map(|l| l.smallest), precise));
                     row.push(or_dash(both.map(|l| l.largest), precise));
@@ -274,7 +275,7 @@ pub(crate) fn watertight(view: &View) -> Table {
     let mut table =
         Table::new(&["method", "precision", "aimed at", "offset", "rays", "pass through"]);
     for fact in view.facts.iter().filter(|f| f.claims.iter().any(|claim| claim == "watertight")) {
-        for precision in ["f32", "f64"] {
+        for precision in [FloatFormat::F32, FloatFormat::F64] {
             let mut sums: BTreeMap<(&str, u64), [usize; 2]> = BTreeMap::new();
             let mine = view
                 .surface_cracks
@@ -288,7 +289,7 @@ pub(crate) fn watertight(view: &View) -> Table {
             for ((aim, offset), [rays, through]) in sums {
                 table.rows.push(vec![
                     fact.name.clone(),
-                    precision.to_owned(),
+                    precision.to_string(),
                     aim.to_owned(),
                     level_text(f64::from_bits(offset)),
                     grouped(rays as u64),

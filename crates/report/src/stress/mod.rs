@@ -10,6 +10,7 @@ mod summary;
 pub use exact::{ExactnessRow, ExactnessSummary, exactness_summary};
 pub use summary::{StressRow, StressSummary, stress_summary};
 
+use trisect_core::{FloatFormat, Form, MultiplyAdd};
 use trisect_harness::record::{StressFamily, StressLevel, Variant};
 
 use crate::view::View;
@@ -20,30 +21,29 @@ const BEYOND: [&str; 1] = ["random-bits"];
 
 /// Whether a variant stands for its method in tables: plain arithmetic, deferred where the method has
 /// that, in the precision asked for.
-fn stands_for(view: &View, variant: &Variant, method: &str, precision: &str) -> bool {
+fn stands_for(view: &View, variant: &Variant, method: &str, precision: FloatFormat) -> bool {
     variant.method == method
         && variant.precision == precision
-        && variant.arithmetic == "plain"
+        && variant.arithmetic == MultiplyAdd::Plain
         && variant.division == division(view, method)
 }
 
-/// `deferred` where the method has it, else `early`.
-fn division(view: &View, method: &str) -> &'static str {
-    let deferred =
-        view.fact(method).is_some_and(|fact| fact.divisions.iter().any(|d| d == "deferred"));
-    if deferred { "deferred" } else { "early" }
+/// The deferred form where the method has it, else the early one.
+fn division(view: &View, method: &str) -> Form {
+    let deferred = view.fact(method).is_some_and(|fact| fact.divisions.contains(&Form::Deferred));
+    if deferred { Form::Deferred } else { Form::Early }
 }
 
 /// The families of the variant that stands for a method, subnormal numbers kept.
 fn families<'a>(
     view: &View<'a>,
     method: &str,
-    precision: &str,
+    precision: FloatFormat,
 ) -> impl Iterator<Item = &'a StressFamily> {
     view.stress
         .iter()
         .copied()
-        .filter(|s| !s.flush_to_zero && stands_for(view, &s.variant, method, precision))
+        .filter(move |s| !s.flush_to_zero && stands_for(view, &s.variant, method, precision))
 }
 
 /// Names of the families that the record holds, in its order, with their knobs.

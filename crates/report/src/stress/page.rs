@@ -1,5 +1,7 @@
 //! The page of the stability study.
 
+use trisect_core::{FloatFormat, Output};
+
 use super::exact;
 use super::figures;
 use super::markdown;
@@ -23,8 +25,18 @@ pub(crate) fn draw(view: &View, links: Vec<Link>) -> Result<Drawn, PageError> {
 
 fn tables(view: &View) -> Vec<Titled> {
     let mut tables = vec![
-        Titled::new("f32", "All methods in f32", markdown::METHODS, markdown::methods(view, "f32")),
-        Titled::new("f64", "All methods in f64", markdown::METHODS, markdown::methods(view, "f64")),
+        Titled::new(
+            "f32",
+            "All methods in f32",
+            markdown::METHODS,
+            markdown::methods(view, FloatFormat::F32),
+        ),
+        Titled::new(
+            "f64",
+            "All methods in f64",
+            markdown::METHODS,
+            markdown::methods(view, FloatFormat::F64),
+        ),
         Titled::new(
             "watertight",
             "Watertight methods",
@@ -36,7 +48,7 @@ fn tables(view: &View) -> Vec<Titled> {
             "first",
             "First failures in f32",
             "The levels that the map above shows as squares; a dot never fails.",
-            markdown::first_failures(view, "f32"),
+            markdown::first_failures(view, FloatFormat::F32),
         ),
         Titled::new(
             "limits",
@@ -72,12 +84,12 @@ fn tables(view: &View) -> Vec<Titled> {
 }
 
 fn findings(view: &View, summary: &StressSummary) -> Vec<Finding> {
-    let single = || summary.rows.iter().filter(|row| row.precision == "f32");
+    let single = || summary.rows.iter().filter(|row| row.precision == FloatFormat::F32);
     let mut findings = Vec::new();
     // Of a method without weights fewer numbers can be wrong.
     let weighs = |row: &&StressRow| {
         let fact = view.fact(&row.method);
-        fact.is_some_and(|fact| fact.outputs.iter().any(|output| output == "barycentrics"))
+        fact.is_some_and(|fact| fact.outputs.contains(&Output::Barycentrics))
     };
     let fewest = |a: &&StressRow, b: &&StressRow| a.wrong_percent().total_cmp(&b.wrong_percent());
     if let Some(row) = single().filter(weighs).min_by(fewest) {

@@ -1,6 +1,7 @@
 //! What a terminal prints after the stability study.
 
 use serde::Serialize;
+use trisect_core::{FloatFormat, Form};
 use trisect_harness::record::{Clause, Header, Records, Site};
 
 use super::exact::{ExactnessSummary, summed};
@@ -32,9 +33,9 @@ pub struct StressRow {
     /// Name in the catalogue.
     pub method: String,
     /// `f32` or `f64`.
-    pub precision: String,
+    pub precision: FloatFormat,
     /// `early` or `deferred`.
-    pub division: String,
+    pub division: Form,
     /// Pairs of all families but random bits.
     pub pairs: u64,
     /// Those called a hit that are none.
@@ -74,7 +75,9 @@ pub(crate) fn of_view(view: &View) -> StressSummary {
     let rows = view
         .methods()
         .iter()
-        .flat_map(|&method| ["f32", "f64"].map(|precision| row(view, method, precision)))
+        .flat_map(|&method| {
+            [FloatFormat::F32, FloatFormat::F64].map(|precision| row(view, method, precision))
+        })
         .filter(|row| row.pairs > 0)
         .collect();
     let clauses = || view.contract.iter().flat_map(|c| c.clauses.values());
@@ -96,11 +99,11 @@ fn tests(view: &View) -> u64 {
     of(Clause::FiniteHits) + of(Clause::SameDecisions)
 }
 
-fn row(view: &View, method: &str, precision: &str) -> StressRow {
+fn row(view: &View, method: &str, precision: FloatFormat) -> StressRow {
     let mut row = StressRow {
         method: method.to_owned(),
-        precision: precision.to_owned(),
-        division: division(view, method).to_owned(),
+        precision,
+        division: division(view, method),
         pairs: 0,
         false_hits: 0,
         false_misses: 0,
@@ -122,7 +125,8 @@ fn row(view: &View, method: &str, precision: &str) -> StressRow {
         row.false_misses += level.false_misses;
         row.wrong += level.wrong;
     }
-    let epsilon = if precision == "f32" { f64::from(f32::EPSILON) } else { f64::EPSILON };
+    let epsilon =
+        if precision == FloatFormat::F32 { f64::from(f32::EPSILON) } else { f64::EPSILON };
     let unit_roundoff = epsilon / 2.0;
     row.error_over_condition = view
         .by_condition
@@ -198,7 +202,7 @@ impl StressSummary {
             "to",
             "dist",
         ]);
-        for row in self.rows.iter().filter(|row| row.precision == "f32") {
+        for row in self.rows.iter().filter(|row| row.precision == FloatFormat::F32) {
             table.rows.push(vec![
                 row.method.clone(),
                 number(row.wrong_percent()),

@@ -8,6 +8,7 @@ mod summary;
 
 pub use summary::{StudyRow, StudySummary, study_summary};
 
+use trisect_core::Output;
 use trisect_harness::record::{Contest, Traced, TreeBuilt};
 
 use crate::markdown::fastest;
@@ -66,10 +67,14 @@ fn scenes<'a>(view: &View<'a>) -> Vec<&'a str> {
 /// Nanoseconds of a test in a method's kernel that is as the tracer's, asked for any hit or for the
 /// fullest one.
 fn kernel_ns(view: &View, method: &str, any: bool) -> Option<f64> {
-    let of = |need: &str| {
+    let of = |need: Output| {
         fastest(view, |v| v.method == method && v.is_as_in_a_tracer() && v.needs == need)
     };
-    let found = if any { of("occlusion") } else { of("barycentrics").or_else(|| of("t")) };
+    let found = if any {
+        of(Output::Occlusion)
+    } else {
+        of(Output::Barycentrics).or_else(|| of(Output::T))
+    };
     found.map(|(_, ns)| ns)
 }
 

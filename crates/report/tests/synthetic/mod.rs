@@ -1,5 +1,8 @@
 //! Records that were never measured: four methods with plausible numbers, from a fixed formula.
 
+use trisect_core::{
+    Arrangement, FloatFormat, Form, Input, InstructionSet, MultiplyAdd, Output, ReciprocalKind,
+};
 use trisect_harness::record::{
     Agreement, ClassCount, Decisions, Error, Family, Header, Machine, MethodCount, MethodFacts,
     PartCost, Preparation, Quantiles, Record, Records, SCHEMA, Throughput, Variant, Workload,
@@ -51,15 +54,15 @@ const METHODS: [Fact; 4] = [
 ];
 
 /// Precision, width, instruction set, arithmetic, speed-up.
-const LANES: [(&str, usize, &str, &str, f64); 8] = [
-    ("f32", 1, "scalar", "plain", 1.0),
-    ("f32", 4, "sse4.2", "plain", 3.5),
-    ("f32", 8, "avx2", "plain", 6.6),
-    ("f32", 8, "avx2", "fused", 8.1),
-    ("f64", 1, "scalar", "plain", 0.9),
-    ("f64", 2, "sse4.2", "plain", 1.7),
-    ("f64", 4, "avx2", "plain", 3.3),
-    ("f64", 4, "avx2", "fused", 4.0),
+const LANES: [(FloatFormat, usize, InstructionSet, MultiplyAdd, f64); 8] = [
+    (FloatFormat::F32, 1, InstructionSet::Scalar, MultiplyAdd::Plain, 1.0),
+    (FloatFormat::F32, 4, InstructionSet::Sse42, MultiplyAdd::Plain, 3.5),
+    (FloatFormat::F32, 8, InstructionSet::Avx2, MultiplyAdd::Plain, 6.6),
+    (FloatFormat::F32, 8, InstructionSet::Avx2, MultiplyAdd::Fused, 8.1),
+    (FloatFormat::F64, 1, InstructionSet::Scalar, MultiplyAdd::Plain, 0.9),
+    (FloatFormat::F64, 2, InstructionSet::Sse42, MultiplyAdd::Plain, 1.7),
+    (FloatFormat::F64, 4, InstructionSet::Avx2, MultiplyAdd::Plain, 3.3),
+    (FloatFormat::F64, 4, InstructionSet::Avx2, MultiplyAdd::Fused, 4.0),
 ];
 
 pub(crate) fn header() -> Header {
@@ -73,7 +76,12 @@ pub(crate) fn header() -> Header {
         machine: Machine {
             cpu: "Synthetic Processor 9000 @ 3.00GHz".into(),
             logical_cpus: 2,
-            instruction_sets: ["scalar", "sse2", "sse4.2", "avx2"].map(String::from).to_vec(),
+            instruction_sets: vec![
+                InstructionSet::Scalar,
+                InstructionSet::Sse2,
+                InstructionSet::Sse42,
+                InstructionSet::Avx2,
+            ],
             platform: "linux x86_64".into(),
             compiler: "rustc 1.95.0".into(),
             build: "release, x86_64-unknown-linux-gnu".into(),
@@ -146,9 +154,9 @@ pub(crate) fn records(count: usize) -> Records {
             year,
             source: source.into(),
             stored_numbers,
-            input: "prepared".into(),
-            outputs: ["occlusion", "t", "barycentrics"].map(Into::into).to_vec(),
-            divisions: ["deferred", "early"].map(Into::into).to_vec(),
+            input: Some(Input::Prepared),
+            outputs: vec![Output::Occlusion, Output::T, Output::Barycentrics],
+            divisions: vec![Form::Deferred, Form::Early],
             claims: vec!["culls".into()],
             cost: vec![PartCost {
                 part: "test, deferred division".into(),
@@ -163,34 +171,34 @@ pub(crate) fn records(count: usize) -> Records {
     for (m, fact) in METHODS.iter().take(count).enumerate() {
         let (name, _, _, _, stored, base, error, gain) = *fact;
         for (precision, width, set, arithmetic, speed) in LANES {
-            let bytes = stored * if precision == "f32" { 4 } else { 8 };
-            for division in ["early", "deferred"] {
-                let variant = |arrangement: &str, early_out: bool, needs: &str| Variant {
+            let bytes = stored * if precision == FloatFormat::F32 { 4 } else { 8 };
+            for division in [Form::Early, Form::Deferred] {
+                let variant = |arrangement: Arrangement, early_out: bool, needs: Output| Variant {
                     method: name.into(),
-                    precision: precision.into(),
+                    precision,
                     width,
-                    instruction_set: set.into(),
-                    arithmetic: arithmetic.into(),
-                    arrangement: arrangement.into(),
-                    division: division.into(),
-                    reciprocal: "true".into(),
+                    instruction_set: set,
+                    arithmetic,
+                    arrangement,
+                    division,
+                    reciprocal: ReciprocalKind::True,
                     early_out,
-                    needs: needs.into(),
+                    needs,
                 };
-                for arrangement in ["one-ray", "one-triangle"] {
+                for arrangement in [Arrangement::OneRay, Arrangement::OneTriangle] {
                     for early_out in [true, false] {
-                        for needs in ["occlusion", "t", "barycentrics"] {
+                        for needs in [Output::Occlusion, Output::T, Output::Barycentrics] {
                             for w in &workloads {
                                 let mut ns = base / speed;
                                 ns *= match needs {
-                                    "occlusion" => 0.8,
-                                    "t" => 0.93,
+                                    Output::Occlusion => 0.8,
+                                    Output::T => 0.93,
                                     _ => 1.0,
                                 };
-                                if division == "deferred" {
+                                if division == Form::Deferred {
                                     ns /= gain;
                                 }
-                                if arrangement == "one-triangle" {
+                                if arrangement == Arrangement::OneTriangle {
                                     ns *= 1.06;
                                 }
                                 ns *= if early_out { 0.8 + 0.3 * w.hit_rate } else { 1.0 };
@@ -218,16 +226,16 @@ pub(crate) fn records(count: usize) -> Records {
                 for w in
                     workloads.iter().filter(|w| matches!(w.family, Family::Random | Family::Mesh))
                 {
-                    let unit = if precision == "f32" { 6e-8 } else { 1.1e-16 };
+                    let unit = if precision == FloatFormat::F32 { 6e-8 } else { 1.1e-16 };
                     for (quantity, scale) in [("t", 1.0), ("beta", 2.1), ("gamma", 2.3)] {
-                        let fused = if arithmetic == "fused" { 0.8 } else { 1.0 };
-                        let late = if division == "deferred" { 0.95 } else { 1.0 };
+                        let fused = if arithmetic == MultiplyAdd::Fused { 0.8 } else { 1.0 };
+                        let late = if division == Form::Deferred { 0.95 } else { 1.0 };
                         let late = late * if width == 1 { 0.85 } else { 1.0 };
                         let of = unit * error * scale * fused * late * (0.95 + 0.1 * random());
                         let relative =
                             Quantiles { mean: 3.0 * of, median: of, p99: 90.0 * of, max: 4e4 * of };
                         lines.push(Record::Error(Error {
-                            variant: variant("one-ray", true, "barycentrics"),
+                            variant: variant(Arrangement::OneRay, true, Output::Barycentrics),
                             workload: w.name.clone(),
                             reference: "oracle".into(),
                             quantity: quantity.into(),
@@ -247,9 +255,9 @@ pub(crate) fn records(count: usize) -> Records {
                         called_hit,
                         called_miss,
                     };
-                    let wrong = if precision == "f32" { m as u64 + 1 } else { 0 };
+                    let wrong = if precision == FloatFormat::F32 { m as u64 + 1 } else { 0 };
                     lines.push(Record::Decisions(Decisions {
-                        variant: variant("one-ray", true, "barycentrics"),
+                        variant: variant(Arrangement::OneRay, true, Output::Barycentrics),
                         workload: w.name.clone(),
                         classes: vec![
                             class("interior", true, 5000, wrong),
@@ -260,12 +268,13 @@ pub(crate) fn records(count: usize) -> Records {
                 }
             }
         }
-        for precision in ["f32", "f64"] {
+        for precision in [FloatFormat::F32, FloatFormat::F64] {
             for w in workloads.iter().filter(|w| w.family == Family::Mesh) {
-                let ns = (4.0 + stored as f64) * if precision == "f32" { 1.0 } else { 1.5 };
+                let ns =
+                    (4.0 + stored as f64) * if precision == FloatFormat::F32 { 1.0 } else { 1.5 };
                 lines.push(Record::Preparation(Preparation {
                     method: name.into(),
-                    precision: precision.into(),
+                    precision,
                     workload: w.name.clone(),
                     triangles: w.triangles,
                     samples_ns: (0..9)
@@ -276,10 +285,10 @@ pub(crate) fn records(count: usize) -> Records {
         }
     }
     for w in workloads.iter().filter(|w| w.family == Family::Mesh) {
-        for (precision, differs) in [("f32", 3), ("f64", 0)] {
+        for (precision, differs) in [(FloatFormat::F32, 3), (FloatFormat::F64, 0)] {
             lines.push(Record::Agreement(Agreement {
                 workload: w.name.clone(),
-                precision: precision.into(),
+                precision,
                 rays: w.rays,
                 unanimous: w.rays - 2 * differs,
                 differs_from_oracle: METHODS

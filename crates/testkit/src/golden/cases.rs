@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use serde::Deserialize;
-use trisect_core::{Culling, Float as _, Hit, Ray, Triangle, Vec3};
+use trisect_core::{Culling, FloatFormat, Hit, Ray, Triangle, Vec3};
 use trisect_workloads::{Aim, Placement, Surface};
 
 use super::scenes::{Golden, Scene, Wanted, made, sized};
@@ -36,12 +36,13 @@ pub(super) struct Case {
     pub(super) holds: Holds,
     /// Whether the order of the triangles is turned round as well.
     pub(super) reversed: bool,
+    /// By precision.
     scenes: [Vec<Scene>; 2],
 }
 
 impl Case {
-    pub(super) fn scenes(&self, precision: &str) -> &[Scene] {
-        &self.scenes[usize::from(precision != f32::NAME)]
+    pub(super) fn scenes(&self, precision: FloatFormat) -> &[Scene] {
+        &self.scenes[precision as usize]
     }
 }
 
@@ -123,7 +124,7 @@ impl Entry {
 
     /// One ray against a mesh, `None` in the precision that it is not for.
     fn scene<E: Golden>(&self, test: &Test) -> Option<Scene> {
-        if test.precision.as_ref().is_some_and(|name| name != E::NAME) {
+        if test.precision.is_some_and(|precision| precision != E::FORMAT) {
             return None;
         }
         let offset = Vec3::from(test.offset);
@@ -171,7 +172,7 @@ struct Test {
     tmax: Option<Number>,
     culling: Option<String>,
     /// Where it says something in one precision alone.
-    precision: Option<String>,
+    precision: Option<FloatFormat>,
     /// The mesh, where it is not the case's.
     #[serde(default)]
     triangles: Vec<[[f64; 3]; 3]>,

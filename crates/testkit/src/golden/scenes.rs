@@ -1,6 +1,6 @@
 //! The scenes of the cases: rays, triangles, and what must come of each ray.
 
-use trisect_core::{Culling, Float, Hit, Ray, Scalar, Triangle, Vec3};
+use trisect_core::{Culling, Float, FloatFormat, Hit, Ray, Scalar, Triangle, Vec3};
 use trisect_workloads::{Placement, Stream, Surface};
 
 use super::cases::{Each, Make, Target};
@@ -62,12 +62,13 @@ impl Golden for f64 {
 }
 
 /// How many numbers of the precision lie between two.
-fn ulps(precision: &str, a: f64, b: f64) -> u64 {
-    if precision == f32::NAME {
-        let [a, b] = [a, b].map(f32::from_f64);
-        u64::from(a.to_bits().abs_diff(b.to_bits()))
-    } else {
-        a.to_bits().abs_diff(b.to_bits())
+fn ulps(precision: FloatFormat, a: f64, b: f64) -> u64 {
+    match precision {
+        FloatFormat::F32 => {
+            let [a, b] = [a, b].map(f32::from_f64);
+            u64::from(a.to_bits().abs_diff(b.to_bits()))
+        }
+        FloatFormat::F64 => a.to_bits().abs_diff(b.to_bits()),
     }
 }
 
@@ -85,7 +86,7 @@ impl Scene {
     pub(super) fn judge(
         &self,
         results: &Results,
-        precision: &str,
+        precision: FloatFormat,
         weighs: bool,
     ) -> Result<(), String> {
         let given = |hit: Hit<f64>| {
@@ -445,15 +446,15 @@ mod tests {
             (Wanted::Closest(0), false),
         ] {
             let scene = Scene { wanted: vec![wanted], ..sized::<f32>(1.0) };
-            let judged = scene.judge(&Results::default(), f32::NAME, true);
+            let judged = scene.judge(&Results::default(), FloatFormat::F32, true);
             assert_eq!(judged.is_ok(), good, "{wanted:?}");
         }
     }
 
     #[test]
     fn neighbours_are_a_unit_in_the_last_place_apart() {
-        assert_eq!(ulps("f32", 1.0, f64::from(1.0_f32.next_up())), 1);
-        assert_eq!(ulps("f64", 1.0, 1.0_f64.next_down()), 1);
+        assert_eq!(ulps(FloatFormat::F32, 1.0, f64::from(1.0_f32.next_up())), 1);
+        assert_eq!(ulps(FloatFormat::F64, 1.0, 1.0_f64.next_down()), 1);
     }
 
     /// They start on the side of the plane that they lead to.

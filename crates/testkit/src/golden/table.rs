@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
+use trisect_core::FloatFormat;
+
 use super::cases::CASES;
 use super::{Observed, Outcome, Way};
 
@@ -72,7 +74,7 @@ fn rows(observed: &Observed) -> Vec<Row> {
 /// In which precisions and forms a case fails: both forms where none is named.
 fn cell(outcomes: &[(Way, Outcome)], fused: bool) -> String {
     let mut parts: Vec<(Vec<&str>, String)> = Vec::new();
-    for precision in ["f32", "f64"] {
+    for &precision in FloatFormat::ALL {
         let ways: Vec<_> = outcomes
             .iter()
             .filter(|(way, _)| way.precision == precision && way.fused == fused)
@@ -86,12 +88,12 @@ fn cell(outcomes: &[(Way, Outcome)], fused: bool) -> String {
         } else if bad.len() < ways.len() {
             for (way, _) in &bad {
                 how += " ";
-                how += way.form;
+                how += way.form.name();
             }
         }
         match parts.last_mut() {
-            Some((precisions, other)) if *other == how => precisions.push(precision),
-            _ => parts.push((vec![precision], how)),
+            Some((precisions, other)) if *other == how => precisions.push(precision.name()),
+            _ => parts.push((vec![precision.name()], how)),
         }
     }
     if parts.is_empty() {
@@ -127,12 +129,16 @@ pub(super) fn plain(table: &str) -> BTreeSet<[String; 3]> {
 
 #[cfg(test)]
 mod tests {
+    use trisect_core::Form;
+
     use super::*;
 
     fn observed(fails: impl Fn(usize, Way) -> bool) -> Observed {
         let mut ways = Vec::new();
-        for precision in ["f32", "f64"] {
-            for (form, fused) in [("early", false), ("deferred", false), ("deferred", true)] {
+        for &precision in FloatFormat::ALL {
+            for (form, fused) in
+                [(Form::Early, false), (Form::Deferred, false), (Form::Deferred, true)]
+            {
                 ways.push(Way { precision, form, fused });
             }
         }
@@ -147,7 +153,7 @@ mod tests {
 
     #[test]
     fn cases_that_fail_alike_share_a_row() {
-        let early = observed(|place, way| place < 3 && way.form == "early");
+        let early = observed(|place, way| place < 3 && way.form == Form::Early);
         let table = of(&[early]);
         let [first, last] = [&CASES[0], &CASES[2]];
         let row = format!(
