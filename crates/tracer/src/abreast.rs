@@ -8,16 +8,15 @@ use trisect_core::{Culling, Hit, Interval, Lanes, Method, Record as _};
 use crate::bvh::{Bvh, WIDTH};
 use crate::hit::TriangleHit;
 use crate::leaf::{ANYTHING, end, test};
-use crate::leaves::Faces;
 use crate::rows::{RAYS, Rows};
 
 /// So many rays at least: a block of eight triangles has five on average.
 const LEAST: u32 = 6;
 
 /// Whether the rays of a packet are tested side by side: where none has its own axes, and where a test
-/// decides. Not where faces are culled, for the time that it takes to compile.
-pub(crate) const fn suits<M: Method, F: Faces, const ANY: bool>() -> bool {
-    !M::TURNS && (ANY || !M::INFO.claims.exact) && matches!(F::CULLING, Culling::None)
+/// decides.
+pub(crate) const fn suits<M: Method, const ANY: bool>() -> bool {
+    !M::TURNS && (ANY || !M::INFO.claims.exact)
 }
 
 /// Tests the triangles of a leaf for some rays, in bits, as [`leaf::test_leaf`](crate::leaf::test_leaf) does

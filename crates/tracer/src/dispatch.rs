@@ -6,7 +6,7 @@ use crate::bvh::{Bvh, Statistics};
 use crate::called::Called;
 use crate::hit::{Found, TriangleHit};
 use crate::lanes::{Job, OnFast, OnLanes, OnPlain, has_fast_lanes};
-use crate::leaves::{Backs, Both, Fronts, Leaves, LeavesOf, Whole};
+use crate::leaves::{Both, Leaves, LeavesOf, Whole};
 use crate::order::{Order, TILE, of_origins, of_rows, row_length};
 use crate::packet::in_packets;
 use crate::parallel;
@@ -51,7 +51,7 @@ impl<M: Method, T: Found, const ANY: bool, const ROBUST: bool> Job
         let Self { bvh, rays, order, found } = self;
         match order {
             Order::Packets(numbers) => {
-                let leaves = &LeavesOf::<M, L, Both, ANY, ROBUST>::new(bvh, token);
+                let leaves = &LeavesOf::<M, L, Both, ANY, ROBUST>::new(bvh, token, Both);
                 in_packets::<L, T, ROBUST>(bvh.whole(leaves), token, rays, &numbers, found);
             }
             Order::Singly => token.run(
@@ -77,11 +77,7 @@ where
     type Output = ();
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
         let Self { bvh, culling, then } = self;
-        match culling {
-            Culling::None => then(&LeavesOf::<M, L, Both, ANY, ROBUST>::new(bvh, token)),
-            Culling::Back => then(&LeavesOf::<M, L, Fronts, ANY, ROBUST>::new(bvh, token)),
-            Culling::Front => then(&LeavesOf::<M, L, Backs, ANY, ROBUST>::new(bvh, token)),
-        }
+        then(&LeavesOf::<M, L, Culling, ANY, ROBUST>::new(bvh, token, culling));
     }
 }
 
@@ -127,11 +123,11 @@ impl<M: Method> Tree for Bvh<M> {
         rays: &[Ray<f32>],
         found: &mut [Option<TriangleHit>],
     ) {
-        self.batch::<_, false>(tracing, culling, rays, found);
+        self.batch::<_, false, true>(tracing, culling, rays, found);
     }
 
     fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
-        self.batch::<_, true>(tracing, culling, rays, found);
+        self.batch::<_, true, true>(tracing, culling, rays, found);
     }
 
     fn count(&self, ray: &Ray<f32>) -> Counted {
@@ -148,7 +144,7 @@ impl<M: Method> Tree for Bvh<M> {
 }
 
 impl<M: Method> Bvh<M> {
-    fn batch<T: Found, const ANY: bool>(
+    pub(crate) fn batch<T: Found, const ANY: bool, const IN_LOOP: bool>(
         &self,
         tracing: Tracing,
         culling: Culling,
@@ -171,23 +167,23 @@ impl<M: Method> Bvh<M> {
                 if tracing == Tracing::Plain {
                     self.plainly::<OnPlain, T>(culling, rays, found);
                 } else if const { M::INFO.claims.watertight } {
-                    self.fast::<T, ANY, true>(culling, rays, order, found);
+                    self.fast::<T, ANY, true, IN_LOOP>(culling, rays, order, found);
                 } else {
-                    self.fast::<T, ANY, false>(culling, rays, order, found);
+                    self.fast::<T, ANY, false, IN_LOOP>(culling, rays, order, found);
                 }
             })
         }));
     }
 
     /// Traces on fast lanes.
-    fn fast<T: Found, const ANY: bool, const ROBUST: bool>(
+    fn fast<T: Found, const ANY: bool, const ROBUST: bool, const IN_LOOP: bool>(
         &self,
         culling: Culling,
         rays: &[Ray<f32>],
         order: Order,
         found: &mut [T],
     ) {
-        if culling == Culling::None {
+        if const { IN_LOOP } && culling == Culling::None {
             OnFast::run(Batch::<M, T, ANY, ROBUST> { bvh: self, rays, order, found });
         } else {
             self.called::<OnFast, T, ANY, ROBUST>(culling, rays, order, found);

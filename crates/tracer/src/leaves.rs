@@ -2,7 +2,6 @@
 //! as fast as can be, and else behind a call, so that the way is compiled once for all methods.
 
 use std::hint::select_unpredictable;
-use std::marker::PhantomData;
 use std::ops::Range;
 
 use trisect_core::{Culling, Lanes, Method, Token as _};
@@ -13,30 +12,28 @@ use crate::exactly::{self, Given, settle_at};
 use crate::leaf::{end, test_leaf};
 use crate::rows::{RAYS, Rows};
 
-/// Which faces are seen, as a type: nothing in a leaf asks.
-pub(crate) trait Faces {
-    const CULLING: Culling;
+/// Which faces are seen: both, as a type, where nothing in a leaf is to ask, and otherwise a value.
+pub(crate) trait Faces: Copy {
+    /// The faces that are not seen.
+    fn culling(self) -> Culling;
 }
 
 /// Both.
+#[derive(Clone, Copy)]
 pub(crate) struct Both;
 
 impl Faces for Both {
-    const CULLING: Culling = Culling::None;
+    #[inline(always)]
+    fn culling(self) -> Culling {
+        Culling::None
+    }
 }
 
-/// Front faces alone.
-pub(crate) struct Fronts;
-
-impl Faces for Fronts {
-    const CULLING: Culling = Culling::Back;
-}
-
-/// Back faces alone.
-pub(crate) struct Backs;
-
-impl Faces for Backs {
-    const CULLING: Culling = Culling::Front;
+impl Faces for Culling {
+    #[inline(always)]
+    fn culling(self) -> Culling {
+        self
+    }
 }
 
 /// A tree as single rays go through it on lanes of choice.
@@ -117,15 +114,15 @@ pub(crate) trait Leaves {
 pub(crate) struct LeavesOf<'a, M: Method, L: Lanes, F, const ANY: bool, const ROBUST: bool> {
     bvh: &'a Bvh<M>,
     token: L::Token,
-    faces: PhantomData<F>,
+    faces: F,
 }
 
 impl<'a, M: Method, L: Lanes, F, const ANY: bool, const ROBUST: bool>
     LeavesOf<'a, M, L, F, ANY, ROBUST>
 {
     /// Those of a tree.
-    pub(crate) fn new(bvh: &'a Bvh<M>, token: L::Token) -> Self {
-        Self { bvh, token, faces: PhantomData }
+    pub(crate) fn new(bvh: &'a Bvh<M>, token: L::Token, faces: F) -> Self {
+        Self { bvh, token, faces }
     }
 }
 
@@ -142,12 +139,14 @@ where
     }
 
     fn test(&self, rows: &mut Rows, mut rays: u64, blocks: Range<usize>) -> bool {
-        let Self { bvh, token, .. } = *self;
+        let Self { bvh, token, faces } = *self;
+        let culling = faces.culling();
         token.run(
             #[inline(always)]
             || {
                 let mut any = false;
-                if const { abreast::suits::<M, F, ANY>() } {
+                // Not where faces are culled: few rays are traced so.
+                if const { abreast::suits::<M, ANY>() } && culling == Culling::None {
                     let (some, rest) =
                         abreast::test_leaf::<M, L, ANY, ROBUST>(token, bvh, &blocks, rows, rays);
                     (any, rays) = (some, rest);
@@ -157,9 +156,9 @@ where
                     rays &= rays - 1;
                     let (ray, best) = (rows.ray(place), &mut rows.best[place]);
                     let blocks = blocks.clone();
-                    let given = Given { bvh, ray, culling: F::CULLING };
+                    let given = Given { bvh, ray, culling };
                     let left = test_leaf::<M, L, ANY>(token, blocks, given, best);
-                    settle_at(bvh, F::CULLING, rows, place, &left);
+                    settle_at(bvh, culling, rows, place, &left);
                     let best = &rows.best[place];
                     let is_hit = best.is_hit();
                     any |= is_hit;

@@ -7,7 +7,7 @@ use trisect_core::{Culling, Method, Ray, Triangle, Vec3};
 use trisect_moller_trumbore::{MollerTrumbore, PublishedOrder};
 use trisect_oracle::Oracle;
 use trisect_tracer::{
-    Builder, Bvh, EveryTriangle, ScalarBvh, Statistics, Tracing, Tree, TriangleHit,
+    Builder, Bvh, ErasedBvh, EveryTriangle, ScalarBvh, Statistics, Tracing, Tree, TriangleHit,
 };
 use trisect_wald::Wald;
 use trisect_watertight::Watertight;
@@ -31,15 +31,27 @@ fn plain_tracing_finds_what_testing_every_triangle_finds() {
 }
 
 #[test]
-fn one_at_a_time_and_without_a_tree_the_answers_are_the_same() {
+fn behind_a_call_one_at_a_time_and_without_a_tree_the_answers_are_the_same() {
     fn check<M: Method>(triangles: &[Triangle<f32>], rays: &[Ray<f32>]) {
         let all = brute_force::<M>(triangles, rays, Culling::None);
         assert!(all.iter().flatten().count() > 100);
         let scalar = ScalarBvh::<M>::build(triangles, Builder::Spatial).expect("it takes all");
         let every = EveryTriangle::<M>::new(triangles).expect("it takes all");
-        for tree in [&scalar as &dyn Tree, &every] {
+        let erased = ErasedBvh::build::<M>(triangles, Builder::Spatial).expect("it takes all");
+        for tree in [&scalar as &dyn Tree, &every, &erased] {
             assert_eq!(traced(tree, Tracing::Plain, Culling::None, rays), all);
         }
+        let in_loop = tree::<M>(triangles);
+        for tracing in [Tracing::Single, Tracing::Packets] {
+            for culling in [Culling::None, Culling::Back, Culling::Front] {
+                let expected = traced(&in_loop, tracing, culling, rays);
+                assert_eq!(traced(&erased, tracing, culling, rays), expected, "{tracing:?}");
+            }
+        }
+        for ray in rays {
+            assert_eq!(erased.count(ray), in_loop.count(ray));
+        }
+        assert_eq!(erased.statistics(), in_loop.statistics());
     }
     let triangles = Surface::sphere(3).triangles::<f32>(&Placement::HERE);
     let rays: Vec<Ray<f32>> = (0..500)
