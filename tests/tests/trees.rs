@@ -1,6 +1,6 @@
 //! A tree finds for every method what testing every triangle finds.
 
-use trisect_catalog::{Builder, Tracing, entries};
+use trisect_catalog::{Builder, INLINE_IN_TREES, Leaves, Tracing, entries};
 use trisect_core::{Culling, Hit, Output};
 use trisect_mesh::{Mesh, MeshFormat};
 
@@ -17,20 +17,29 @@ fn every_method_in_a_tree_finds_what_it_finds_without() {
     let mesh = teapot();
     let mut rays = trisect_workloads::primary(&mesh, 16, 16).rays;
     rays.extend(trisect_workloads::random_through_box(3, &mesh, 300).rays);
-    let mut met = 0;
+    let (mut met, mut inline) = (0, 0);
     for entry in entries() {
         let kernels = &entry.f32;
+        let builds = || [Some(entry.erased_tree), entry.inline_tree].into_iter().flatten();
         let Ok(scene) = (kernels.prepare)(&mesh.triangles, &rays) else {
-            assert!((entry.tree)(&mesh.triangles, Builder::Binned).is_err(), "{}", entry.info.name);
+            for build in builds() {
+                let tree = build(&mesh.triangles, Builder::Binned, Leaves::default());
+                assert!(tree.is_err(), "{}", entry.info.name);
+            }
             continue;
         };
         let finder = kernels.plain_finder(None, None).expect("one is compiled everywhere");
-        let trees = Builder::ALL.map(|builder| {
-            (entry.tree)(&mesh.triangles, builder).expect("the method takes the mesh")
-        });
+        let trees: Vec<_> = builds()
+            .flat_map(|build| Builder::ALL.map(|builder| (builder, build)))
+            .map(|(builder, build)| {
+                let tree = build(&mesh.triangles, builder, Leaves::default());
+                (tree.expect("the method takes the mesh"), builder)
+            })
+            .collect();
+        inline += usize::from(entry.inline_tree.is_some());
         for culling in [Culling::None, Culling::Back, Culling::Front] {
             let all = finder.closest(&scene, culling, rays.len());
-            for (tree, builder) in trees.iter().zip(Builder::ALL) {
+            for (tree, builder) in &trees {
                 let mut found = vec![None; rays.len()];
                 tree.closest(Tracing::Plain, culling, &rays, &mut found);
                 let mut any = vec![false; rays.len()];
@@ -54,4 +63,5 @@ fn every_method_in_a_tree_finds_what_it_finds_without() {
         }
     }
     assert!(met > 1000, "{met}");
+    assert_eq!(inline, INLINE_IN_TREES.len(), "each of these names is a method's");
 }

@@ -13,7 +13,7 @@ use trisect_core::{
     Method, Needs, PADDING, Packets, Precision, PreparedTriangles, Ray, Scalar, Tested, Token,
     Triangle, UnsuitableMesh, intersect_with, one_ray, one_triangle, shared_packets,
 };
-use trisect_tracer::{Builder, Bvh, Leaves, Tree};
+use trisect_tracer::{Builder, Bvh, ErasedBvh, Leaves, Tree};
 
 use crate::variant::Variant;
 
@@ -242,8 +242,17 @@ pub(crate) trait Instances: Method {
         )
     }
 
-    /// Puts triangles in a tree.
-    fn tree(
+    /// An [`Entry::erased_tree`](crate::Entry::erased_tree).
+    fn erased_tree(
+        triangles: &[Triangle<f32>],
+        builder: Builder,
+        leaves: Leaves,
+    ) -> Result<Box<dyn Tree>, UnsuitableMesh> {
+        Ok(Box::new(ErasedBvh::build_with::<Self>(triangles, builder, leaves)?))
+    }
+
+    /// An [`Entry::inline_tree`](crate::Entry::inline_tree).
+    fn inline_tree(
         triangles: &[Triangle<f32>],
         builder: Builder,
         leaves: Leaves,

@@ -39,18 +39,73 @@ pub struct Entry {
     pub flushing: Vec<(Form, FlushingTest)>,
     /// The stages of which one decides a pair, the cheapest first; none where all pairs go one way.
     pub stages: &'static [&'static str],
-    /// Puts triangles in a tree, prepared for the method, or says why it cannot take them.
-    pub tree: BuildTree,
-    /// The same with leaves of a size of choice.
-    pub tree_with: BuildTreeWith,
+    /// Builds a tree that calls the method's test for each leaf. The traversal is compiled once for all
+    /// methods, so that in these trees methods differ in their tests alone.
+    pub erased_tree: BuildTree,
+    /// Builds a tree with the method's test inside the traversal loop, for the methods of
+    /// [`INLINE_IN_TREES`].
+    pub inline_tree: Option<BuildTree>,
 }
 
-/// Puts triangles in a tree.
-pub type BuildTree = fn(&[Triangle<f32>], Builder) -> Result<Box<dyn Tree>, UnsuitableMesh>;
+impl Entry {
+    /// Builds the fastest tree that is compiled for the method: the inline one where there is one.
+    ///
+    /// # Errors
+    /// When the method does not take these triangles.
+    pub fn tree(
+        &self,
+        triangles: &[Triangle<f32>],
+        builder: Builder,
+    ) -> Result<Box<dyn Tree>, UnsuitableMesh> {
+        self.tree_with(triangles, builder, Leaves::default())
+    }
 
-/// Puts triangles in a tree, its leaves of a size of choice.
-pub type BuildTreeWith =
+    /// As [`tree`](Entry::tree), with leaves of a size of choice.
+    ///
+    /// # Errors
+    /// When the method does not take these triangles.
+    pub fn tree_with(
+        &self,
+        triangles: &[Triangle<f32>],
+        builder: Builder,
+        leaves: Leaves,
+    ) -> Result<Box<dyn Tree>, UnsuitableMesh> {
+        self.inline_tree.unwrap_or(self.erased_tree)(triangles, builder, leaves)
+    }
+}
+
+/// Builds a tree over triangles, or says why the method does not take them.
+pub type BuildTree =
     fn(&[Triangle<f32>], Builder, Leaves) -> Result<Box<dyn Tree>, UnsuitableMesh>;
+
+/// The methods whose test is compiled into the traversal loop as well: the reference, the fastest, and those
+/// that promise something. The loop costs several seconds of compilation per method, and what it gains over
+/// a call is shown by the study of the tracer.
+pub const INLINE_IN_TREES: [&str; 5] = [
+    "moller-trumbore",
+    "baldwin-weber-12",
+    "watertight",
+    "watertight-one-precision",
+    "exact",
+];
+
+/// Whether the method of that name is one of [`INLINE_IN_TREES`]; for constants, where `==` on text is
+/// not available.
+const fn is_inline_in_trees(name: &str) -> bool {
+    let mut place = 0;
+    while place < INLINE_IN_TREES.len() {
+        let (ours, theirs) = (INLINE_IN_TREES[place].as_bytes(), name.as_bytes());
+        let mut length = 0;
+        while length < ours.len() && length < theirs.len() && ours[length] == theirs[length] {
+            length += 1;
+        }
+        if length == ours.len() && length == theirs.len() {
+            return true;
+        }
+        place += 1;
+    }
+    false
+}
 
 /// A test of one ray against one triangle in [`Flushing`](trisect_core::Flushing) arithmetic.
 pub type FlushingTest = fn(&Ray<f32>, &Triangle<f32>) -> Option<Hit<f64>>;
@@ -90,8 +145,12 @@ pub fn entries() -> &'static [Entry] {
                 f64: matrix::kernels::<M, f64>(),
                 flushing: matrix::flushing::<M>(),
                 stages: M::STAGES,
-                tree: |triangles, builder| T::tree(triangles, builder, Leaves::default()),
-                tree_with: T::tree,
+                erased_tree: T::erased_tree,
+                inline_tree: if const { is_inline_in_trees(M::INFO.name) } {
+                    Some(T::inline_tree)
+                } else {
+                    None
+                },
             });
         }
     }

@@ -57,7 +57,7 @@ pub(crate) fn run(arguments: &Explain) -> Result<()> {
             Stage::new(scene, |of_tree| {
                 let mut triangles = triangles.lock().unwrap_or_else(PoisonError::into_inner);
                 triangles.push(of_tree.to_vec());
-                (entry.tree)(of_tree, arguments.builder)
+                entry.tree(of_tree, arguments.builder)
             })
         })
         .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.scene.display()))?;

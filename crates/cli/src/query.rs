@@ -143,7 +143,7 @@ fn in_tree_of(
     culling: Culling,
 ) -> Result<Vec<Answer<f32>>, UnsuitableMesh> {
     // Quick to build, as it is used once.
-    let tree = (entry.tree)(triangles, Builder::Binned)?;
+    let tree = entry.tree(triangles, Builder::Binned)?;
     if arguments.any {
         let mut any = vec![false; rays.len()];
         tree.any(Tracing::Plain, culling, rays, &mut any);

@@ -62,7 +62,7 @@ pub(crate) fn run(arguments: &Render) -> Result<()> {
         .context("the system gives no threads; ask for fewer with --threads")?;
     let start = Instant::now();
     let stage = pool
-        .install(|| Stage::new(scene, |triangles| (entry.tree)(triangles, arguments.builder)))
+        .install(|| Stage::new(scene, |triangles| entry.tree(triangles, arguments.builder)))
         .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.scene.display()))?;
     let build = start.elapsed();
 

@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Trace) -> Result<()> {
         .context("the system gives no threads; ask for fewer with --threads")?;
     let (tree, build) = pool.install(|| {
         let start = Instant::now();
-        let tree = (entry.tree)(&mesh.triangles, arguments.builder);
+        let tree = entry.tree(&mesh.triangles, arguments.builder);
         (tree, start.elapsed())
     });
     let tree = tree.map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.mesh.display()))?;

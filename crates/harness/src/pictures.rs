@@ -196,7 +196,7 @@ impl Study<'_> {
             .into_iter()
             .map(|leaves| {
                 let tree = |triangles: &[Triangle<f32>]| {
-                    (reference().tree_with)(triangles, Builder::Spatial, leaves)
+                    reference().tree_with(triangles, Builder::Spatial, leaves)
                 };
                 (leaves, stage(mirror, tree))
             })
@@ -275,7 +275,7 @@ impl Study<'_> {
         });
         let of = |entry: &'static Entry| {
             Stage::new(mirror.clone(), |triangles: &[Triangle<f32>]| {
-                (entry.tree_with)(triangles, Builder::Spatial, leaves)
+                (entry.erased_tree)(triangles, Builder::Spatial, leaves)
             })
         };
         let lanes = of(reference()).expect("the reference takes every mesh");
@@ -328,7 +328,7 @@ impl Study<'_> {
         for (name, says, scene, settings) in features {
             let settings = Settings { size: self.settings.size(settings.size), ..settings };
             let tree =
-                |triangles: &[Triangle<f32>]| (reference().tree)(triangles, Builder::Spatial);
+                |triangles: &[Triangle<f32>]| reference().tree(triangles, Builder::Spatial);
             let stage = stage(&load(scene), tree);
             let watch = Watch { stop: &AtomicBool::new(false), tile: &|| () };
             let image = Renderer::new(&stage).render(&settings, &watch).expect("nobody stops it");

@@ -643,8 +643,10 @@ pub struct Outcome {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Contest {
-    /// Every method, in turn with the one that all are compared with, on one thread.
+    /// Every method behind a call, in turn with the one that all are compared with, on one thread.
     Methods,
+    /// The methods whose test is compiled into the traversal loop, in turn with themselves behind a call.
+    Inline,
     /// One method: its trees, and the ways to trace them, in turn, on one thread.
     Trees,
     /// One method: numbers of threads, in turn.
@@ -716,7 +718,7 @@ pub struct Traced {
     /// Nanoseconds of each sample, in the order measured.
     pub samples_ns: Vec<u64>,
     /// The same of the method that all are compared with, its rays in turn with these, in the same
-    /// rounds. Of [`Contest::Methods`] alone: in the others all lines of a class went in turn.
+    /// rounds. Of [`Contest::Methods`] and [`Contest::Inline`] alone: in the others all lines of a class went in turn.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub baseline_ns: Vec<u64>,
 }

@@ -10,11 +10,11 @@ mod table;
 use std::path::Path;
 use std::thread;
 
-use trisect_core::{FloatFormat, Form, Method, ReciprocalKind};
+use trisect_core::{FloatFormat, Form, ReciprocalKind};
 
-use crate::lanes::{Found, Kernels, Results};
-use crate::properties::weighs;
+use crate::kernels::{Found, Kernels, Lists, Results};
 use crate::readme::{Part, is_blessing};
+use crate::subject::Subject;
 use cases::{CASES, Case, Holds};
 use scenes::Scene;
 
@@ -22,14 +22,6 @@ const PART: Part = Part {
     begin: "<!-- golden cases, observed: TRISECT_BLESS=1 cargo test rewrites them -->\n",
     end: "<!-- end of golden cases -->",
 };
-
-/// A method that the cases are run for.
-pub struct Subject {
-    name: &'static str,
-    watertight: bool,
-    weighs: bool,
-    kernels: [Kernels; 2],
-}
 
 /// What decides the bits of an answer: neither width nor instruction set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,15 +40,15 @@ enum Outcome {
     Fails(String),
 }
 
-impl Subject {
-    /// The kernels of a method.
-    pub fn of<M: Method>() -> Self {
-        Self {
-            name: M::INFO.name,
-            watertight: M::INFO.claims.watertight,
-            weighs: weighs::<M>(),
-            kernels: [Kernels::of::<M, f32>(), Kernels::of::<M, f64>()],
-        }
+/// A method that the cases are run for, with its kernels in both precisions.
+struct Player<'a> {
+    subject: &'a Subject,
+    kernels: [Kernels; 2],
+}
+
+impl<'a> Player<'a> {
+    fn of(subject: &'a Subject) -> Self {
+        Self { subject, kernels: subject.lists.each_ref().map(Lists::all) }
     }
 
     fn ways(&self) -> Vec<Way> {
@@ -117,12 +109,12 @@ impl Subject {
                 assert!(
                     difference.is_none(),
                     "{}, {}, {precision}, {kind:?} differs from others: {difference:?}",
-                    self.name,
+                    self.subject.info.name,
                     case.id
                 );
                 continue;
             }
-            let mut judged = scene.judge(&results, precision, self.weighs);
+            let mut judged = scene.judge(&results, precision, self.subject.weighs());
             if let Some(turned) = &turned {
                 let other = kernel.run(&scene.rays, turned, scene.culling);
                 let other = other.reversed(scene.triangles.len());
@@ -140,13 +132,13 @@ impl Subject {
     }
 
     fn observe(&self) -> Observed {
-        let mut observed = Observed { name: self.name, cases: Vec::new() };
+        let mut observed = Observed { name: self.subject.info.name, cases: Vec::new() };
         let mut wrong = Vec::new();
         for case in CASES.iter() {
             let outcomes = self.outcomes(case);
             for (way, outcome) in &outcomes {
                 if let Outcome::Fails(why) = outcome
-                    && !may_fail(case.holds, self.watertight, *way)
+                    && !may_fail(case.holds, self.subject.info.claims.watertight, *way)
                 {
                     let Case { id, what, .. } = case;
                     wrong.push(format!("{id} ({what}), {way:?}: {why}"));
@@ -154,7 +146,7 @@ impl Subject {
             }
             observed.cases.push(outcomes);
         }
-        assert!(wrong.is_empty(), "{} must not fail: {}", self.name, wrong.join("\n"));
+        assert!(wrong.is_empty(), "{} must not fail: {}", self.subject.info.name, wrong.join("\n"));
         observed
     }
 }
@@ -193,7 +185,7 @@ struct Observed {
 pub fn golden_cases(path: &Path, subjects: &[Subject]) {
     let observed: Vec<Observed> = thread::scope(|scope| {
         let running: Vec<_> =
-            subjects.iter().map(|subject| scope.spawn(|| subject.observe())).collect();
+            subjects.iter().map(|subject| scope.spawn(|| Player::of(subject).observe())).collect();
         running
             .into_iter()
             .map(|running| running.join().unwrap_or_else(|cause| std::panic::resume_unwind(cause)))

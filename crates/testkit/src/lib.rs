@@ -4,14 +4,17 @@
 mod cost;
 mod draw;
 mod golden;
+mod kernels;
 pub mod lanes;
 pub mod process;
 pub mod properties;
 mod readme;
+mod subject;
 mod truth;
 
 pub use cost::{cost_table, readme_cost_tables};
-pub use golden::{Subject, golden_cases};
+pub use golden::golden_cases;
+pub use subject::Subject;
 pub use trisect_core::{Cost, Counting, Ops, cost, counted};
 
 /// Stamps the tests that every method is held to, one `#[test]` per property: the properties of
@@ -63,7 +66,7 @@ macro_rules! conformance_tests {
         $(
             #[test]
             fn $property() {
-                $crate::$module::$property::<$method>();
+                $crate::$module::$property(&$crate::Subject::of::<$method>());
             }
         )+
     };

@@ -3,71 +3,33 @@
 use core::fmt::Debug;
 
 use proptest::prelude::*;
-use trisect_core::{
-    Alpha as _, Culling, Deferred, Division, Early, Float, Form, Hit, Method, Output, Precision,
-    PreparedPair, Ray, Scalar, Triangle, TrueDivision, Vec3, intersect_with,
-};
+use trisect_core::{Culling, Float, Hit, Output, Ray, Scalar, Triangle, Vec3};
 use trisect_oracle::Exact;
 
 use crate::draw::{
     Outcome, Pair, any_pair, check, clear_hits, structured_pair, vector, well_conditioned,
 };
+use crate::subject::{ExactAnswer, Subject, Tests};
 use crate::truth::Truth;
 
 /// Terms of second order in the unit roundoff, which the bounds leave out: below this share for
 /// condition numbers up to 10⁴ in f32.
 const SECOND_ORDER: f64 = 1.0 + 1.0 / 256.0;
 
-/// A test of one ray against one triangle, prepared on the spot.
-pub(crate) type Test<E> = fn(&Ray<E>, &Triangle<E>, Culling) -> Option<Hit<E>>;
-
-/// The forms that a method has, with the true division.
-pub(crate) fn forms<M: Method, E: Scalar>() -> Vec<(Form, Test<E>)> {
-    let mut forms: Vec<(_, Test<E>)> = Vec::new();
-    if M::INFO.forms.early() {
-        forms.push((Form::Early, answer::<M, Early<TrueDivision, true>, E>));
-    }
-    if M::INFO.forms.deferred() {
-        forms.push((Form::Deferred, answer::<M, Deferred<TrueDivision, true>, E>));
-    }
-    forms
-}
-
-fn answer<M: Method, D: Division, E: Scalar>(
-    ray: &Ray<E>,
-    triangle: &Triangle<E>,
-    culling: Culling,
-) -> Option<Hit<E>> {
-    intersect_with::<M, D, E>(ray, triangle, culling).map(given::<M, E>)
-}
-
-/// Whether a method gives weights.
-pub(crate) fn weighs<M: Method>() -> bool {
-    M::INFO.gives(Output::Barycentrics)
-}
-
-/// What a method gives of a hit: zeros for weights that it does not.
-pub(crate) fn given<M: Method, E: Scalar>(hit: Hit<E>) -> Hit<E> {
-    if weighs::<M>() {
-        return hit;
-    }
-    let zero = E::from_f64(0.0);
-    Hit { t: hit.t, beta: zero, gamma: zero }
-}
-
 pub(crate) fn is_finite<E: Scalar>(hit: &Hit<E>) -> bool {
     [hit.t, hit.beta, hit.gamma].iter().all(|x| x.to_f64().is_finite())
 }
 
 /// Fails unless `hit` is within the claim of `M`, `times` over, plus `more` units.
-pub(crate) fn within_claim<M: Method, E: Float>(
+pub(crate) fn within_claim<E: Float>(
+    subject: &Subject,
     truth: &Truth,
     hit: &Hit<E>,
     more: f64,
     form: impl Debug,
 ) -> Outcome {
-    let bound = (M::INFO.error_factor + more) * SECOND_ORDER;
-    let given = if weighs::<M>() { 3 } else { 1 };
+    let bound = (subject.info.error_factor + more) * SECOND_ORDER;
+    let given = if subject.weighs() { 3 } else { 1 };
     for (name, error) in truth.errors(hit, E::UNIT_ROUNDOFF).into_iter().take(given) {
         prop_assert!(
             error <= bound,
@@ -85,50 +47,36 @@ pub(crate) fn within_claim<M: Method, E: Float>(
 ///
 /// Methods that give no weights are compared by `t` and their decision; the sum of angles, which has
 /// a tolerance, only where the point is farther than that from the edges.
-pub fn formula_is_exact<M: Method>() {
-    check(1000, &any_pair(), |pair| exact_formula::<M>(&pair));
-    check(1000, &structured_pair(), |pair| exact_formula::<M>(&pair));
+pub fn formula_is_exact(subject: &Subject) {
+    check(1000, &any_pair(), |pair| exact_formula(subject, &pair));
+    check(1000, &structured_pair(), |pair| exact_formula(subject, &pair));
 }
 
 /// Weights nearer to 0 or 1 than this are left to the tolerance of a method that has one.
 const NEAR_AN_EDGE: f64 = 1e-9;
 
-fn exact_formula<M: Method>(pair: &Pair) -> Outcome {
+fn exact_formula(subject: &Subject, pair: &Pair) -> Outcome {
     let (ray, triangle) = pair.round::<f32>();
     let Some(truth) = Truth::of(&ray, &triangle) else {
         return Err(TestCaseError::reject("parallel"));
     };
     Exact::scope(|| {
-        let (zero, one) = (Exact::from_f64(0.0), Exact::from_f64(1.0));
+        let zero = Exact::from_f64(0.0);
         // The formula does not see the interval, and infinity is no rational.
         let ray = Ray { tmin: 0.0, tmax: 1.0, ..ray }.map(|&x| number(x));
         let triangle = triangle.map(|&x| number(x));
-        let prepared = PreparedPair::<M, Exact>::new(&ray, &triangle);
         let front = ray.d.dot(triangle.normal()) < zero;
-        let check = |form: Form, det: Exact, hit: Hit<Exact>, inside: bool| {
+        for ExactAnswer { form, hit, inside, facing } in (subject.exact)(&ray, &triangle) {
             prop_assert_eq!(hit.t.to_rational(), truth.t.exact.clone(), "{}", form);
-            if weighs::<M>() {
+            if subject.weighs() {
                 prop_assert_eq!(hit.beta.to_rational(), truth.beta.exact.clone(), "{}", form);
                 prop_assert_eq!(hit.gamma.to_rational(), truth.gamma.exact.clone(), "{}", form);
             }
-            if weighs::<M>() || truth.clearance() > NEAR_AN_EDGE {
+            if subject.weighs() || truth.clearance() > NEAR_AN_EDGE {
                 prop_assert_eq!(inside, truth.is_inside(), "{}", form);
             }
-            let facing = M::facing(&prepared.ray, &prepared.triangle, det);
             prop_assert_eq!(facing > zero, front, "facing, {}", form);
             prop_assert_eq!(facing < zero, !front, "facing, {}", form);
-            Ok(())
-        };
-        if M::INFO.forms.early() {
-            let reciprocal = |x| one / x;
-            let q = M::intersect_early(&prepared.ray, &prepared.triangle, reciprocal);
-            check(Form::Early, q.det, q.hit(), q.alpha.inside(q.beta, q.gamma, one))?;
-        }
-        if M::INFO.forms.deferred() {
-            let h = M::intersect(&prepared.ray, &prepared.triangle);
-            let late = Hit { t: h.t / h.det, beta: h.beta / h.det, gamma: h.gamma / h.det };
-            let p = h.positive();
-            check(Form::Deferred, h.det, late, p.alpha.inside(p.beta, p.gamma, p.det))?;
         }
         Ok(())
     })
@@ -139,8 +87,8 @@ fn number(x: f32) -> Exact {
 }
 
 /// The normal, where a method gives one, is `(B − A) × (C − A)`.
-pub fn normals_are_normal<M: Method>() {
-    if !M::INFO.gives(Output::Normal) {
+pub fn normals_are_normal(subject: &Subject) {
+    if !subject.info.gives(Output::Normal) {
         return;
     }
     check(500, &any_pair(), |pair| {
@@ -148,12 +96,10 @@ pub fn normals_are_normal<M: Method>() {
         Exact::scope(|| {
             let ray = Ray { tmin: 0.0, tmax: 1.0, ..ray }.map(|&x| number(x));
             let triangle = triangle.map(|&x| number(x));
-            let axis = if M::TURNS { ray.d.largest_axis() } else { 2 };
             if triangle.is_degenerate() {
                 return Ok(());
             }
-            let pair = PreparedPair::<M, Exact>::new(&ray, &triangle);
-            let normal = M::normal::<Exact>(&pair.triangle, pair.group).with_axis_restored(axis);
+            let normal = (subject.normal)(&ray, &triangle);
             prop_assert_eq!(normal, triangle.normal());
             Ok(())
         })
@@ -162,33 +108,33 @@ pub fn normals_are_normal<M: Method>() {
 
 /// On well-conditioned pairs `t`, `beta` and `gamma` are within the claim, and decisions are right
 /// wherever they are clear of their bounds by as much.
-pub fn errors_are_within_the_claim<M: Method>() {
-    fn of<M: Method, E: Float>() {
+pub fn errors_are_within_the_claim(subject: &Subject) {
+    fn of<E: Tests>(subject: &Subject) {
         check(2000, &well_conditioned(-0.5..1.5), |pair| {
             let (ray, triangle) = pair.round::<E>();
             let truth = Truth::of(&ray, &triangle).expect("well conditioned");
             let certain =
-                truth.margin(&ray, E::UNIT_ROUNDOFF) > M::INFO.error_factor * SECOND_ORDER;
-            for (form, test) in forms::<M, E>() {
+                truth.margin(&ray, E::UNIT_ROUNDOFF) > subject.info.error_factor * SECOND_ORDER;
+            for &(form, test) in E::tests(subject) {
                 let hit = test(&ray, &triangle, Culling::None);
                 if certain {
                     prop_assert_eq!(hit.is_some(), truth.hits, "{}", form);
                 }
                 if let Some(hit) = hit {
-                    within_claim::<M, E>(&truth, &hit, 0.0, form)?;
+                    within_claim(subject, &truth, &hit, 0.0, form)?;
                 }
             }
             Ok(())
         });
     }
-    of::<M, f32>();
-    of::<M, f64>();
+    of::<f32>(subject);
+    of::<f64>(subject);
 }
 
 /// The same triangle from another corner, or wound the other way round, meets the ray in the same
 /// point: `beta` and `gamma` move with their corners, each result within the claim of the truth.
-pub fn corners_may_be_renamed<M: Method>() {
-    fn of<M: Method, E: Float>() {
+pub fn corners_may_be_renamed(subject: &Subject) {
+    fn of<E: Tests>(subject: &Subject) {
         check(500, &clear_hits(), |pair| {
             let (ray, triangle) = pair.round::<E>();
             let Triangle { a, b, c } = triangle;
@@ -196,7 +142,7 @@ pub fn corners_may_be_renamed<M: Method>() {
             let alpha = |hit: &Hit<E>| E::from_f64(1.0) - hit.beta - hit.gamma;
             // `1 − beta − gamma` has the errors of both, and rounds twice.
             let spread = truth.beta.kappa + truth.gamma.kappa;
-            for (form, test) in forms::<M, E>() {
+            for &(form, test) in E::tests(subject) {
                 let same = |corners: [Vec3<E>; 3], back: fn(E, &Hit<E>) -> [E; 2]| {
                     let [a, b, c] = corners;
                     let renamed = Triangle { a, b, c };
@@ -205,9 +151,9 @@ pub fn corners_may_be_renamed<M: Method>() {
                     let other = Truth::of(&ray, &renamed).expect("well conditioned");
                     let [beta, gamma] = back(alpha(&hit), &hit);
                     let kappa = spread + other.beta.kappa + other.gamma.kappa;
-                    let unit = (M::INFO.error_factor + 1.0) * E::UNIT_ROUNDOFF * SECOND_ORDER;
+                    let unit = (subject.info.error_factor + 1.0) * E::UNIT_ROUNDOFF * SECOND_ORDER;
                     prop_assert!(truth.t.error(hit.t.to_f64()) <= unit * other.t.kappa);
-                    if !weighs::<M>() {
+                    if !subject.weighs() {
                         return Ok(());
                     }
                     for (value, found) in [(&truth.beta, beta), (&truth.gamma, gamma)] {
@@ -223,14 +169,14 @@ pub fn corners_may_be_renamed<M: Method>() {
             Ok(())
         });
     }
-    of::<M, f32>();
-    of::<M, f64>();
+    of::<f32>(subject);
+    of::<f64>(subject);
 }
 
 /// Moving ray and triangle together by a vector with whole quarters up to 1, with coordinates on a
 /// grid of 2⁻¹² so that nothing rounds, leaves results within the claim of the one truth.
-pub fn translation_changes_no_more_than_claimed<M: Method>() {
-    fn of<M: Method, E: Float>() {
+pub fn translation_changes_no_more_than_claimed(subject: &Subject) {
+    fn of<E: Tests>(subject: &Subject) {
         let offset = [-4..=4_i8, -4..=4, -4..=4];
         check(500, &(clear_hits(), offset), |(pair, offset)| {
             let grid = |v: Vec3<f64>| v.map(|x| (x * 4096.0).round() / 4096.0);
@@ -243,23 +189,23 @@ pub fn translation_changes_no_more_than_claimed<M: Method>() {
             };
             let (ray, triangle) = moved(Vec3::new(0.0, 0.0, 0.0));
             let truth = Truth::of(&ray, &triangle).expect("well conditioned");
-            for (form, test) in forms::<M, E>() {
+            for &(form, test) in E::tests(subject) {
                 let (ray, triangle) = moved(offset);
                 let hit = test(&ray, &triangle, Culling::None);
                 let hit = hit.ok_or_else(|| TestCaseError::fail("the moved pair misses"))?;
-                within_claim::<M, E>(&truth, &hit, 0.0, form)?;
+                within_claim(subject, &truth, &hit, 0.0, form)?;
             }
             Ok(())
         });
     }
-    of::<M, f32>();
-    of::<M, f64>();
+    of::<f32>(subject);
+    of::<f64>(subject);
 }
 
 /// Scaling the scene by a power of two scales `t` and leaves `beta` and `gamma`, to the bit;
 /// scaling the direction divides `t`.
-pub fn powers_of_two_scale_exactly<M: Method>() {
-    fn of<M: Method, E: Float>() {
+pub fn powers_of_two_scale_exactly(subject: &Subject) {
+    fn of<E: Tests>(subject: &Subject) {
         // Within these no product under- or overflows, down to e⁴ in f32.
         let power = || -12..=12_i8;
         check(500, &(well_conditioned(-0.5..1.5), power(), power()), |(pair, scene, speed)| {
@@ -274,7 +220,7 @@ pub fn powers_of_two_scale_exactly<M: Method>() {
                 tmin: of_t(ray.tmin),
                 tmax: of_t(ray.tmax),
             };
-            for (form, test) in forms::<M, E>() {
+            for &(form, test) in E::tests(subject) {
                 let hit = test(&ray, &triangle, Culling::None);
                 let wanted = hit.map(|hit| Hit { t: of_t(hit.t), ..hit });
                 prop_assert_eq!(test(&scaled_ray, &scaled, Culling::None), wanted, "{}", form);
@@ -282,12 +228,12 @@ pub fn powers_of_two_scale_exactly<M: Method>() {
             Ok(())
         });
     }
-    of::<M, f32>();
-    of::<M, f64>();
+    of::<f32>(subject);
+    of::<f64>(subject);
 }
 
 /// Culling hides one side and leaves the other to the bit; the corners' order says which.
-pub fn culling_hides_one_side<M: Method>() {
+pub fn culling_hides_one_side(subject: &Subject) {
     check(500, &clear_hits(), |pair| {
         let (ray, triangle) = pair.round::<f32>();
         let Triangle { a, b, c } = triangle;
@@ -297,7 +243,7 @@ pub fn culling_hides_one_side<M: Method>() {
             let Triangle { a, b, c } = pair.triangle;
             pair.ray.d.dot((b - a).cross(c - a)) < 0.0
         };
-        for (form, test) in forms::<M, f32>() {
+        for &(form, test) in f32::tests(subject) {
             for (triangle, front) in [(triangle, front), (swapped, !front)] {
                 let [seen, hidden] = if front {
                     [Culling::Back, Culling::Front]
@@ -336,10 +282,10 @@ fn with_coordinate(
 }
 
 /// A NaN in any coordinate or end of the interval is a miss; an infinity is never handed on.
-pub fn nan_and_infinity_never_come_out<M: Method>() {
+pub fn nan_and_infinity_never_come_out(subject: &Subject) {
     check(200, &clear_hits(), |pair| {
         let pair = pair.round::<f32>();
-        for (form, test) in forms::<M, f32>() {
+        for &(form, test) in f32::tests(subject) {
             for culling in [Culling::None, Culling::Back, Culling::Front] {
                 for place in 0..15 {
                     let (ray, triangle) = with_coordinate(pair, place, f32::NAN);
@@ -362,8 +308,8 @@ pub fn nan_and_infinity_never_come_out<M: Method>() {
 
 /// Triangles with two or three equal corners are never hit, not even by rays aimed at them; rays
 /// without a direction never hit.
-pub fn degenerate_input_never_hits<M: Method>() {
-    fn of<M: Method, E: Float>() {
+pub fn degenerate_input_never_hits(subject: &Subject) {
+    fn of<E: Tests>(subject: &Subject) {
         let place = vector(-1.0..1.0);
         check(500, &(clear_hits(), 0.0..1.0, place), |(pair, weight, o)| {
             let Triangle { a, b, c } = pair.triangle;
@@ -376,28 +322,28 @@ pub fn degenerate_input_never_hits<M: Method>() {
                 let ray = Ray { o, d, tmin: f64::NEG_INFINITY, tmax: f64::INFINITY };
                 let triangle = Triangle::new(p, q, r);
                 let (ray, triangle) = Pair { ray, triangle }.round::<E>();
-                for (form, test) in forms::<M, E>() {
+                for &(form, test) in E::tests(subject) {
                     prop_assert_eq!(test(&ray, &triangle, Culling::None), None, "{}", form);
                 }
             }
             for o in [o, a] {
                 let still = Pair { ray: Ray::<f64>::new(o, zero), ..pair };
                 let (ray, triangle) = still.round::<E>();
-                for (form, test) in forms::<M, E>() {
+                for &(form, test) in E::tests(subject) {
                     prop_assert_eq!(test(&ray, &triangle, Culling::None), None, "{}", form);
                 }
             }
             Ok(())
         });
     }
-    of::<M, f32>();
-    of::<M, f64>();
+    of::<f32>(subject);
+    of::<f64>(subject);
 }
 
 /// The interval is closed: a `t` that is exact hits at both of its ends and misses one ULP beyond;
 /// an end that no `t` reaches misses.
-pub fn the_interval_is_closed<M: Method>() {
-    fn of<M: Method, E: Precision>() {
+pub fn the_interval_is_closed(subject: &Subject) {
+    fn of<E: Tests>(subject: &Subject) {
         let n = E::from_f64;
         let vector = |x, y, z| Vec3::new(n(x), n(y), n(z));
         let triangle =
@@ -422,16 +368,16 @@ pub fn the_interval_is_closed<M: Method>() {
                 tmin: n(tmin),
                 tmax: n(tmax),
             };
-            for (form, test) in forms::<M, E>() {
+            for &(form, test) in E::tests(subject) {
                 let hit = Hit { t: n(4.0), beta: n(0.25), gamma: n(0.25) };
-                let wanted = hits.then_some(given::<M, E>(hit));
+                let wanted = hits.then_some(subject.given(hit));
                 let found = test(&ray, &triangle, Culling::None);
                 assert_eq!(found, wanted, "{form} {}, [{tmin}, {tmax}]", E::FORMAT);
             }
         }
     }
-    of::<M, f32>();
-    of::<M, f64>();
+    of::<f32>(subject);
+    of::<f64>(subject);
 }
 
 /// Numbers that hurt: any bits, and powers of two over the whole range of exponents.
@@ -449,7 +395,7 @@ fn any_bits() -> impl Strategy<Value = f32> {
 }
 
 /// Whatever the bits of ray and triangle, nothing panics and no hit holds a NaN or an infinity.
-pub fn any_bits_are_survived<M: Method>() {
+pub fn any_bits_are_survived(subject: &Subject) {
     let vector = || [any_bits(), any_bits(), any_bits()].prop_map(Vec3::from);
     let ray = (vector(), vector(), any_bits(), any_bits());
     let hurt = (ray, vector(), vector(), vector(), any::<bool>());
@@ -458,7 +404,7 @@ pub fn any_bits_are_survived<M: Method>() {
         let d = if aimed { a - o } else { d };
         let (ray, triangle) = (Ray { o, d, tmin, tmax }, Triangle { a, b, c });
         let open = Ray { tmin: f32::NEG_INFINITY, tmax: f32::INFINITY, ..ray };
-        for (form, test) in forms::<M, f32>() {
+        for &(form, test) in f32::tests(subject) {
             for ray in [ray, open] {
                 let hit = test(&ray, &triangle, Culling::None);
                 prop_assert!(hit.as_ref().is_none_or(is_finite), "{form} {ray:?} {hit:?}");

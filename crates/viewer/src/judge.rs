@@ -183,7 +183,7 @@ mod tests {
         let triangles = RefCell::new(Vec::new());
         let stage = Stage::new(scene, |of_tree| {
             triangles.borrow_mut().push(of_tree.to_vec());
-            Ok(Box::new(Told((entry.tree)(of_tree, Builder::Spatial)?, change)) as Box<dyn Tree>)
+            Ok(Box::new(Told(entry.tree(of_tree, Builder::Spatial)?, change)) as Box<dyn Tree>)
         });
         let (stage, triangles) = (stage.expect("it takes all"), triangles.into_inner());
         let settings = Settings::new(SIZE);

@@ -478,7 +478,7 @@ fn in_trees(
     let triangles = RefCell::new(Vec::new());
     let stage = Stage::new(scene, |of_tree| {
         triangles.borrow_mut().push(of_tree.to_vec());
-        (entry.tree)(of_tree, builder)
+        entry.tree(of_tree, builder)
     })?;
     Ok((stage, triangles.into_inner()))
 }

@@ -121,7 +121,7 @@ impl Study<'_> {
         for (name, scene) in scenes {
             let lights = scene.lights.len();
             let stage =
-                Stage::new(scene, |triangles| (reference().tree)(triangles, Builder::Spatial))
+                Stage::new(scene, |triangles| reference().tree(triangles, Builder::Spatial))
                     .expect("the reference takes every mesh");
             for (depth, lights) in [(16, lights), (0, 0)] {
                 let settings = Settings { depth, lights, ..Settings::new(self.settings.picture) };

@@ -120,11 +120,11 @@ impl Trees {
         let triangles = &scene.triangles;
         let of = |name: &str| {
             let entry = find(name).expect("it is in the catalogue");
-            (entry.tree)(triangles, Builder::Spatial).expect("it takes every mesh")
+            entry.tree(triangles, Builder::Spatial).expect("it takes every mesh")
         };
         let waived = Bvh::<Waived>::build(triangles, Builder::Spatial);
         Self {
-            reference: (reference().tree)(triangles, Builder::Spatial)
+            reference: reference().tree(triangles, Builder::Spatial)
                 .expect("the reference takes every mesh"),
             watertight: of("watertight"),
             waived: Box::new(waived.expect("it takes every mesh")),

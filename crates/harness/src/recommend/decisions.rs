@@ -123,7 +123,7 @@ impl<'a> Ways<'a> {
     /// rays, in an order of choice: the last are left out where there is too much to do.
     pub(super) fn new(inputs: &'a Inputs, rays: &[usize]) -> Self {
         let reference = find(REFERENCE).expect("it is in the catalogue");
-        let tree = (reference.tree)(&inputs.triangles, Builder::Binned);
+        let tree = reference.tree(&inputs.triangles, Builder::Binned);
         let tree = tree.expect("the reference takes every mesh");
         let mut ways = Vec::new();
         let mut pairs = 0;

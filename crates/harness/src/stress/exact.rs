@@ -252,7 +252,7 @@ fn judge<E: Precision>(
     let triangles: Vec<Triangle<f32>> =
         scene.triangles.iter().map(|triangle| triangle.map(single)).collect();
     let builder = Builder::ALL[place(number, Builder::ALL.len())];
-    let Ok(tree) = (entry.tree)(&triangles, builder) else { return };
+    let Ok(tree) = entry.tree(&triangles, builder) else { return };
     for (at, (_, tracing)) in TRACINGS.into_iter().enumerate() {
         let mut found: Vec<Option<TriangleHit>> = vec![None; rays.len()];
         tree.closest(tracing, Culling::None, &rays, &mut found);
@@ -404,7 +404,7 @@ where
 fn of_scenes(seed: u64, entry: &Entry) -> Vec<Record> {
     let bunny = Mesh::bunny();
     let mut scenes = vec![("random", trisect_workloads::random(seed, RAYS, 2000))];
-    if let Ok(tree) = (entry.tree)(&bunny.triangles, Builder::default()) {
+    if let Ok(tree) = entry.tree(&bunny.triangles, Builder::default()) {
         let mut closest = |ray: &Ray<f32>| {
             let mut found = [None];
             tree.closest(Tracing::Single, Culling::None, &[*ray], &mut found);

@@ -114,7 +114,11 @@ struct Resident {
 }
 
 impl Resident {
-    /// Builds a tree, on the threads of the pool.
+    /// Builds a tree, on the threads of the pool: with the method behind a call, but for
+    /// [`Contest::Inline`].
+    ///
+    /// # Panics
+    /// When the contest is about inline trees, and none is compiled for the method.
     fn build(
         entry: &Entry,
         scene: &Mesh,
@@ -122,9 +126,13 @@ impl Resident {
         pool: &ThreadPool,
         contest: Contest,
     ) -> Result<Self, UnsuitableMesh> {
+        let build = match contest {
+            Contest::Inline => entry.inline_tree.expect("an inline tree is compiled"),
+            _ => entry.erased_tree,
+        };
         let (tree, time) = pool.install(|| {
             let start = Instant::now();
-            let tree = (entry.tree_with)(&scene.triangles, builder, leaves);
+            let tree = build(&scene.triangles, builder, leaves);
             (tree, start.elapsed())
         });
         let tree = tree?;
@@ -191,7 +199,8 @@ impl Run<'_> {
     fn methods(&mut self, scene: &Mesh, classes: &[ClassOfRays]) -> Result<(), WrongAnswer> {
         const TREE: (Builder, Leaves) = (Builder::Spatial, Leaves::Cheapest);
         let methods = self.settings.methods.clone();
-        let steps = (methods.len() * classes.len()) as u64;
+        let inline = methods.iter().filter(|entry| entry.inline_tree.is_some());
+        let steps = ((methods.len() + inline.count()) * classes.len()) as u64;
         self.progress.phase(&format!("{}: methods", scene.name), steps);
         let contest = Contest::Methods;
         let Ok(baseline) = Resident::build(reference(), scene, TREE, &self.all, contest) else {
@@ -202,7 +211,8 @@ impl Run<'_> {
                 Ok(resident) => resident,
                 Err(unsuitable) => {
                     self.refuse(entry, scene, &unsuitable);
-                    (0..classes.len()).for_each(|_| self.progress.step());
+                    let trees = 1 + usize::from(entry.inline_tree.is_some());
+                    (0..trees * classes.len()).for_each(|_| self.progress.step());
                     continue;
                 }
             };
@@ -212,28 +222,43 @@ impl Run<'_> {
                 }
             }
             self.lines.push(Record::Tree(resident.built.clone()));
-            for class in classes {
-                let ways = [Tracing::Single, Tracing::Packets];
-                let of = |resident| ways.map(|way| Contender::new(resident, way, &self.one));
-                // The method that all are compared with is in turn with itself: that says how much
-                // times differ by chance.
-                let mut contenders = Vec::from(of(&resident));
-                contenders.extend(of(&baseline));
-                race(
-                    &mut contenders,
-                    class,
-                    self.settings.rounds,
-                    &mut self.random,
-                    Order::Slices,
-                )?;
-                let (mine, beside) = contenders.split_at(ways.len());
-                for (mine, beside) in mine.iter().zip(beside) {
-                    let baseline_ns = beside.samples_ns.clone();
-                    let traced = Traced { baseline_ns, ..resident.traced(class, mine) };
-                    self.lines.push(Record::Traced(traced));
-                }
-                self.progress.step();
+            // The method that all are compared with is in turn with itself: that says how much times
+            // differ by chance.
+            self.against(&resident, &baseline, classes)?;
+            if entry.inline_tree.is_some() {
+                let inline = Resident::build(entry, scene, TREE, &self.all, Contest::Inline);
+                self.against(&inline.expect("it takes this mesh"), &resident, classes)?;
             }
+        }
+        Ok(())
+    }
+
+    /// Traces a tree in turn with another, by single rays and in packets.
+    fn against(
+        &mut self,
+        resident: &Resident,
+        baseline: &Resident,
+        classes: &[ClassOfRays],
+    ) -> Result<(), WrongAnswer> {
+        for class in classes {
+            let ways = [Tracing::Single, Tracing::Packets];
+            let of = |resident| ways.map(|way| Contender::new(resident, way, &self.one));
+            let mut contenders = Vec::from(of(resident));
+            contenders.extend(of(baseline));
+            race(
+                &mut contenders,
+                class,
+                self.settings.rounds,
+                &mut self.random,
+                Order::Slices,
+            )?;
+            let (mine, beside) = contenders.split_at(ways.len());
+            for (mine, beside) in mine.iter().zip(beside) {
+                let baseline_ns = beside.samples_ns.clone();
+                let traced = Traced { baseline_ns, ..resident.traced(class, mine) };
+                self.lines.push(Record::Traced(traced));
+            }
+            self.progress.step();
         }
         Ok(())
     }

@@ -25,7 +25,7 @@ pub fn classes_of_rays(
     classes: &[RayClass],
 ) -> Vec<ClassOfRays> {
     // Quick to build, as it is used once.
-    let tree = (reference().tree)(&scene.triangles, Builder::Binned);
+    let tree = reference().tree(&scene.triangles, Builder::Binned);
     let Ok(tree) = tree else { return Vec::new() };
     let mut closest = |ray: &Ray<f32>| {
         let mut found = [None];

@@ -4,7 +4,7 @@ use trisect_core::{Culling, Float, FloatFormat, Hit, Ray, Scalar, Triangle, Vec3
 use trisect_workloads::{Placement, Stream, Surface};
 
 use super::cases::{Each, Make, Target};
-use crate::lanes::Results;
+use crate::kernels::Results;
 
 /// Rays against triangles, carried in f64.
 #[derive(Clone)]
