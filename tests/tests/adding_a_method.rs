@@ -1,4 +1,5 @@
-//! `docs/ADDING-A-METHOD.md`, followed to the letter in a copy of the workspace.
+//! `docs/ADDING-A-METHOD.md` and `docs/ADDING-A-STUDY.md`, followed to the letter in a copy of the
+//! workspace: one copy, as each takes minutes to compile.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,6 +9,9 @@ use std::process::{Command, Output};
 use trisect_catalog::Entry;
 
 const NAME: &str = "affine-map";
+
+/// The study of the other page.
+const STUDY: &str = "clock";
 
 /// The crates of the catalogue that the copy keeps, since all of them take minutes to compile: the one
 /// that the program measures against, and the one that is exact.
@@ -128,8 +132,55 @@ impl Copy {
     }
 }
 
+/// Adds the study of the page: a folder, and what the page inserts after lines that are there.
+fn add_study(copy: &mut Copy) {
+    let page = fs::read_to_string(root().join("docs/ADDING-A-STUDY.md")).expect("the page");
+    let files = blocks(&page, "file");
+    for file in &files {
+        let folder = format!("crates/studies/src/{STUDY}/");
+        assert!(file.mark.starts_with(&folder), "{}: a study is one folder", file.mark);
+        copy.write(Path::new(&file.mark), file.text.as_bytes());
+    }
+    assert_eq!(files.len(), 5, "record, settings, measure, document, and the study itself");
+    let inserted = blocks(&page, "after");
+    assert_eq!(inserted.len(), 2, "a module, and a line of the registry");
+    for block in inserted {
+        let (anchor, _) = block.text.split_once('\n').expect("a line that is there");
+        let before = fs::read_to_string(root().join(&block.mark)).expect("it is there");
+        assert_eq!(before.matches(anchor).count(), 1, "{}: {anchor}", block.mark);
+        let after = before.replace(anchor, block.text.trim_end());
+        copy.write(Path::new(&block.mark), after.as_bytes());
+    }
+}
+
+/// The study is taken, published, and drawn again from its record.
+fn take_study(copy: &Copy) {
+    let folder = copy.root.with_file_name("report");
+    let _ = fs::remove_dir_all(&folder);
+    let folder = folder.to_str().expect("a path in UTF-8");
+    let program = ["run", "-p", "trisect-cli", "--"];
+    let run = |arguments: &[&str]| copy.cargo(&[&program[..], arguments].concat()).stdout;
+
+    let help = String::from_utf8(run(&[STUDY, "--help"])).expect("UTF-8");
+    assert!(help.contains("Study how fine the steps") && help.contains("--rounds"), "{help}");
+    let summary = run(&[STUDY, "--rounds", "3", "--output", folder, "--json"]);
+    let summary: serde_json::Value = serde_json::from_slice(&summary).expect("JSON");
+    let rounds = summary.as_array().expect("one of each round");
+    assert!(rounds.len() == 3 && rounds[0]["median_ns"].is_f64(), "{summary}");
+
+    let record = Path::new(folder).join("clock.jsonl");
+    let page = Path::new(folder).join("clock.html");
+    let first = fs::read_to_string(&page).expect("the page was published");
+    assert!(first.contains("The shortest step"), "{first}");
+    fs::remove_file(&page).expect("it is there");
+    let record = record.to_str().expect("a path in UTF-8");
+    let text = String::from_utf8(run(&["report", record, "--output", folder])).expect("UTF-8");
+    assert!(text.contains("shortest, ns"), "{text}");
+    assert_eq!(fs::read_to_string(&page).expect("drawn again"), first);
+}
+
 #[test]
-fn the_page_adds_a_method_by_one_crate_and_one_line() {
+fn the_pages_add_a_method_and_a_study() {
     let page = fs::read_to_string(root().join("docs/ADDING-A-METHOD.md")).expect("the page");
     let mut copy =
         Copy::new(Path::new(env!("CARGO_TARGET_TMPDIR")).join("adding-a-method/workspace"));
@@ -160,6 +211,7 @@ fn the_page_adds_a_method_by_one_crate_and_one_line() {
         Path::new(&line.mark),
         format!("{}\n{}\n[lints]{tail}", head.trim_end(), line.text).as_bytes(),
     );
+    add_study(&mut copy);
     copy.remove_others(Path::new(""));
 
     let crate_name = format!("trisect-{NAME}");
@@ -184,6 +236,7 @@ fn the_page_adds_a_method_by_one_crate_and_one_line() {
     assert_eq!(names[before], NAME);
 
     copy_and_query(&copy);
+    take_study(&copy);
 }
 
 /// A ray at (0.25, 0.5) of the unit triangle, three units away.

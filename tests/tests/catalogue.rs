@@ -106,7 +106,7 @@ struct TimedKernelsCountTheFindersHits;
 
 impl Property for TimedKernelsCountTheFindersHits {
     fn check<E: Precision>(
-        forms: Forms,
+        _: Forms,
         kernels: &Kernels<E>,
         triangles: &[Triangle<E>],
         rays: &[Ray<E>],

@@ -179,7 +179,7 @@ fn values_take_a_division() {
     let code = Code::read();
     let (mut in_loops, mut all) = (0, 0);
     let computed_here = |(method, _): &(&str, _)| *method != HANDS_ON;
-    for (method, kernel) in kernels(Output::Barycentrics, Form::Deferred).filter(computed_here) {
+    for (_, kernel) in kernels(Output::Barycentrics, Form::Deferred).filter(computed_here) {
         let functions = code.kernel(kernel);
         let place = format!("{:?}", kernel.variant);
         assert!(functions.iter().flatten().any(divides), "{place} divides nowhere");

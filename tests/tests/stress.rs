@@ -4,54 +4,44 @@ use trisect_catalog::{entries, find};
 use trisect_core::{
     FloatFormat, Flushing, Form, Hit, MultiplyAdd, Ray, Scalar as _, Triangle, Vec3,
 };
-use trisect_harness::record::{Clause, Record, StressFamily, SurfaceCracks};
-use trisect_harness::{Progress, StressSettings, stress};
-
-struct Silent;
-
-impl Progress for Silent {
-    fn phase(&mut self, _name: &str, _steps: u64) {}
-    fn step(&mut self) {}
-}
+use trisect_studies::record::Records;
+use trisect_studies::stress::{
+    ByCondition, Clause, Contract, Limits, SpecialValues, Stability, Stages, StressFamily,
+    SurfaceCracks,
+};
+use trisect_studies::{Silent, Study as _};
 
 /// Tests of hostile input, of which CI has time for so many.
 const FUZZ: u64 = 20_000_000;
 
 /// Nothing, to be filled in.
-fn nothing(names: &[&str]) -> StressSettings {
+fn nothing(names: &[&str]) -> Stability {
     let methods = if names.is_empty() {
         entries().iter().collect()
     } else {
         names.iter().map(|name| find(name).expect("it is in the catalogue")).collect()
     };
-    StressSettings::nothing(1, methods)
+    Stability::nothing(1, methods)
 }
 
-fn study(settings: &StressSettings) -> Vec<Record> {
-    stress(settings, &mut Silent)
+fn study(settings: Stability) -> Records {
+    settings.record(String::new(), &mut Silent).expect("nothing is timed")
 }
 
-fn pairs(method: &str) -> Vec<Record> {
-    study(&StressSettings { pairs: 64, ..nothing(&[method]) })
+fn pairs(method: &str) -> Records {
+    study(Stability { pairs: 64, ..nothing(&[method]) })
 }
 
-fn families<'a>(
-    records: &'a [Record],
-    precision: FloatFormat,
-) -> impl Iterator<Item = &'a StressFamily> {
-    records.iter().filter_map(move |record| match record {
-        Record::Stress(family) if family.variant.precision == precision => Some(family),
-        _ => None,
-    })
+fn families(records: &Records, precision: FloatFormat) -> impl Iterator<Item = &StressFamily> {
+    records.all().filter(move |family: &&StressFamily| family.variant.precision == precision)
 }
 
 #[test]
 fn no_kernel_breaks_the_contract() {
-    let records = study(&StressSettings { fuzz: FUZZ, ..nothing(&[]) });
+    let records = study(Stability { fuzz: FUZZ, ..nothing(&[]) });
     let mut tests = 0;
     let mut broken = Vec::new();
-    for record in &records {
-        let Record::Contract(contract) = record else { continue };
+    for contract in records.all::<Contract>() {
         for (clause, [tested, violations]) in &contract.clauses {
             if matches!(clause, Clause::FiniteHits | Clause::SameDecisions) {
                 tests += tested;
@@ -69,8 +59,7 @@ fn no_kernel_breaks_the_contract() {
 /// Special values in the place of a number of a clear hit: what is not finite is a miss always.
 #[test]
 fn nothing_that_is_not_finite_is_hit() {
-    for record in study(&StressSettings { fuzz: 1, ..nothing(&[]) }) {
-        let Record::SpecialValues(values) = record else { continue };
+    for values in study(Stability { fuzz: 1, ..nothing(&[]) }).all::<SpecialValues>() {
         for outcome in &values.outcomes {
             let infinite_end = outcome.value.ends_with("inf") && outcome.place.starts_with('t');
             if (outcome.value == "NaN" || outcome.value.ends_with("inf")) && !infinite_end {
@@ -90,15 +79,14 @@ fn watertight_methods_have_no_cracks_and_others_have_some() {
         "plucker-translated",
         "wald",
     ];
-    let rays = StressSettings { crack_rays: 1, watertight_rays: 30_000, ..nothing(&methods) };
-    let records = study(&rays);
+    let rays = Stability { crack_rays: 1, watertight_rays: 30_000, ..nothing(&methods) };
+    let records = study(rays);
     let through = |cracks: &SurfaceCracks| {
         let sites = cracks.sites.iter().filter(|site| site.scale == 1.0);
         sites.map(|site| site.no_hit).sum::<usize>()
     };
     let mut tight = Vec::new();
-    for record in &records {
-        let Record::SurfaceCracks(cracks) = record else { continue };
+    for cracks in records.all::<SurfaceCracks>() {
         let claims = find(&cracks.variant.method).expect("it is measured").info.claims.watertight;
         let claimed = claims
             && cracks.variant.arithmetic == MultiplyAdd::Plain
@@ -134,8 +122,7 @@ fn errors_of_a_backward_stable_method_grow_with_the_condition_alone() {
     let records = pairs("moller-trumbore");
     let factor = find("moller-trumbore").expect("it is in the catalogue").info.error_factor;
     let mut bins = 0;
-    for record in &records {
-        let Record::ByCondition(line) = record else { continue };
+    for line in records.all::<ByCondition>() {
         for bin in &line.decades {
             bins += 1;
             assert!(f64::from(bin.over_condition.1) <= factor, "{line:?}");
@@ -146,14 +133,9 @@ fn errors_of_a_backward_stable_method_grow_with_the_condition_alone() {
 
 #[test]
 fn limits_are_where_the_numbers_end() {
-    let records = study(&StressSettings { probes: 32, ..nothing(&["moller-trumbore"]) });
-    let scale: Vec<_> = records
-        .iter()
-        .filter_map(|record| match record {
-            Record::Limits(limits) if limits.family == "scale" => Some(limits),
-            _ => None,
-        })
-        .collect();
+    let records = study(Stability { probes: 32, ..nothing(&["moller-trumbore"]) });
+    let limits = records.all::<Limits>();
+    let scale: Vec<_> = limits.filter(|limits| limits.family == "scale").collect();
     assert_eq!(scale.len(), 4, "two precisions, two forms");
     for limits in scale {
         // The numerator of t is of third degree in the size: it underflows to less than the ten bits
@@ -172,7 +154,7 @@ fn limits_are_where_the_numbers_end() {
 fn the_study_does_not_depend_on_the_number_of_threads() {
     let of_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        let few = StressSettings {
+        let few = || Stability {
             pairs: 16,
             probes: 4,
             crack_rays: 100,
@@ -180,7 +162,7 @@ fn the_study_does_not_depend_on_the_number_of_threads() {
             fuzz: 1_000_000,
             ..nothing(&["wald", "watertight"])
         };
-        pool.install(|| study(&few))
+        pool.install(|| study(few()).lines)
     };
     assert_eq!(of_threads(1), of_threads(3));
 }
@@ -208,8 +190,8 @@ fn flushing_changes_nothing_that_is_not_subnormal() {
 /// Every kind of scene, on every lane type and in both arrangements, and first hits in every way.
 #[test]
 fn what_claims_to_be_exact_is() {
-    let records = study(&StressSettings { exact: 1_500_000, ..nothing(&["exact"]) });
-    let summary = trisect_report::exactness_summary(&records);
+    let records = study(Stability { exact: 1_500_000, ..nothing(&["exact"]) });
+    let summary = trisect_studies::stress::exactness_summary(&records);
     let total = summary.total();
     assert_eq!(total.all_wrong(), 0, "{:?}", summary.first_wrong);
     assert!(total.tests >= 1_500_000);
@@ -222,15 +204,9 @@ fn what_claims_to_be_exact_is() {
 /// Each stage decides something somewhere, and the cheapest nearly all of a scene.
 #[test]
 fn the_cheapest_stage_decides_nearly_all() {
-    let records = study(&StressSettings { pairs: 16, ..nothing(&["exact"]) });
-    let stages = || {
-        records.iter().filter_map(|record| match record {
-            Record::Stages(stages) => Some(stages),
-            _ => None,
-        })
-    };
+    let records = study(Stability { pairs: 16, ..nothing(&["exact"]) });
     let mut sums = vec![0; 4];
-    for stages in stages() {
+    for stages in records.all::<Stages>() {
         assert_eq!(stages.stages.len(), 4);
         for (sum, pairs) in sums.iter_mut().zip(&stages.pairs) {
             *sum += pairs;

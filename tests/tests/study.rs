@@ -1,21 +1,15 @@
 //! The study of the tracer, small: it says the same of every method but for times.
 
 use trisect_catalog::find;
-use trisect_harness::record::{Contest, Record};
-use trisect_harness::{Progress, StudySettings, study};
+use trisect_studies::record::{Line, Records};
+use trisect_studies::tracer::{Contest, Traced, Tracer, TreeBuilt};
+use trisect_studies::{Silent, Study as _};
 use trisect_workloads::Mesh;
-
-struct Silent;
-
-impl Progress for Silent {
-    fn phase(&mut self, _name: &str, _steps: u64) {}
-    fn step(&mut self) {}
-}
 
 const METHODS: [&str; 2] = ["moller-trumbore", "watertight"];
 
-fn of_threads(threads: usize) -> Vec<Record> {
-    let settings = StudySettings {
+fn of_threads(threads: usize) -> Records {
+    let study = Tracer {
         seed: 1,
         methods: METHODS.map(|name| find(name).expect("it is in the catalogue")).into(),
         scenes: vec![Mesh::bunny()],
@@ -23,24 +17,20 @@ fn of_threads(threads: usize) -> Vec<Record> {
         rounds: 2,
         threads,
     };
-    study(&settings, &mut Silent).expect("every sample is right")
+    study.record(String::new(), &mut Silent).expect("every sample is right")
 }
 
-/// Without what is measured, or says on how many threads.
-fn without_times(records: Vec<Record>) -> Vec<Record> {
-    let kept = records.into_iter().filter_map(|record| match record {
-        Record::Tree(mut tree) => {
-            tree.samples_ns.clear();
-            let is_alike = tree.contest != Contest::Threads;
-            tree.threads = 0;
-            is_alike.then_some(Record::Tree(tree))
+/// The lines about trees, without what is measured, or says on how many threads.
+fn without_times(records: &Records) -> Vec<Line> {
+    let kept = records.lines.iter().filter_map(|line| {
+        if let Some(tree) = line.get::<TreeBuilt>() {
+            let tree = TreeBuilt { samples_ns: Vec::new(), threads: 0, ..tree.clone() };
+            (tree.contest != Contest::Threads).then(|| tree.into())
+        } else {
+            let (samples_ns, baseline_ns) = (Vec::new(), Vec::new());
+            let traced = Traced { samples_ns, baseline_ns, ..line.get::<Traced>()?.clone() };
+            (traced.contest != Contest::Threads).then(|| traced.into())
         }
-        Record::Traced(mut traced) => {
-            traced.samples_ns.clear();
-            traced.baseline_ns.clear();
-            (traced.contest != Contest::Threads).then_some(Record::Traced(traced))
-        }
-        other => Some(other),
     });
     kept.collect()
 }
@@ -48,20 +38,8 @@ fn without_times(records: Vec<Record>) -> Vec<Record> {
 #[test]
 fn the_records_are_all_there_and_the_same_but_for_times() {
     let records = of_threads(2);
-    let traced: Vec<_> = records
-        .iter()
-        .filter_map(|record| match record {
-            Record::Traced(traced) => Some(traced),
-            _ => None,
-        })
-        .collect();
-    let trees: Vec<_> = records
-        .iter()
-        .filter_map(|record| match record {
-            Record::Tree(tree) => Some(tree),
-            _ => None,
-        })
-        .collect();
+    let traced: Vec<&Traced> = records.all().collect();
+    let trees: Vec<&TreeBuilt> = records.all().collect();
     let count = |contest| {
         let lines = traced.iter().filter(|traced| traced.contest == contest).count();
         (trees.iter().filter(|tree| tree.contest == contest).count(), lines)
@@ -83,7 +61,7 @@ fn the_records_are_all_there_and_the_same_but_for_times() {
     for tree in &trees {
         assert_eq!(tree.samples_ns.len(), 2, "{tree:?}");
     }
-    let records = without_times(records);
-    assert_eq!(records, without_times(of_threads(2)), "the seed decides");
-    assert_eq!(records, without_times(of_threads(1)), "whatever the number of threads");
+    let lines = without_times(&records);
+    assert_eq!(lines, without_times(&of_threads(2)), "the seed decides");
+    assert_eq!(lines, without_times(&of_threads(1)), "whatever the number of threads");
 }

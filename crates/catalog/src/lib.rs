@@ -75,19 +75,13 @@ impl Entry {
 }
 
 /// Builds a tree over triangles, or says why the method does not take them.
-pub type BuildTree =
-    fn(&[Triangle<f32>], Builder, Leaves) -> Result<Box<dyn Tree>, UnsuitableMesh>;
+pub type BuildTree = fn(&[Triangle<f32>], Builder, Leaves) -> Result<Box<dyn Tree>, UnsuitableMesh>;
 
 /// The methods whose test is compiled into the traversal loop as well: the reference, the fastest, and those
 /// that promise something. The loop costs several seconds of compilation per method, and what it gains over
 /// a call is shown by the study of the tracer.
-pub const INLINE_IN_TREES: [&str; 5] = [
-    "moller-trumbore",
-    "baldwin-weber-12",
-    "watertight",
-    "watertight-one-precision",
-    "exact",
-];
+pub const INLINE_IN_TREES: [&str; 5] =
+    ["moller-trumbore", "baldwin-weber-12", "watertight", "watertight-one-precision", "exact"];
 
 /// Whether the method of that name is one of [`INLINE_IN_TREES`]; for constants, where `==` on text is
 /// not available.

@@ -7,11 +7,14 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use trisect_catalog::Builder;
 use trisect_core::{FloatFormat, Form, Output};
-use trisect_mesh::ReadOptions;
 use trisect_render::Sampling;
+use trisect_studies::input::{Reading, Subjects};
+use trisect_studies::{Choice, comparison};
 
 pub(crate) use values::{Cull, Light, Width};
-use values::{builders, count, error, named, positive, seconds, size};
+use values::{builders, error, named, positive, seconds};
+
+use crate::studies::Published;
 
 /// Compares ray–triangle intersection methods on this machine: error against run time.
 ///
@@ -40,10 +43,8 @@ pub(crate) enum Verb {
     Report(Report),
     /// Check every method against the exact oracle
     Verify(Verify),
-    /// Study what every method does in stiff and extreme cases
-    Stress(Stress),
-    /// Study what every method is worth in a ray tracer
-    Study(Study),
+    #[command(flatten)]
+    Study(Choice<Published>),
     /// Trace rays through a mesh in a tree, and say how fast
     Trace(Trace),
     /// Intersect rays with a mesh
@@ -54,10 +55,6 @@ pub(crate) enum Verb {
     Recommend(Recommend),
     /// Explain what a scene needs, what is left out for it, and what that gains
     Explain(Explain),
-    /// Study how fast pictures of the mirror scene are, and draw one of every feature
-    Pictures(Pictures),
-    /// Study what it would take to keep what nobody asks for
-    Omissions(Omissions),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -66,77 +63,21 @@ pub(crate) enum Verb {
 }
 
 #[derive(Debug, Args)]
+#[command(mut_arg("output", |output| output.help("Folder for the page, its figures and the record")))]
 pub(crate) struct Compare {
     #[command(flatten)]
-    pub measurement: Measurement,
-    /// Folder for the page, its figures and the record
-    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
-    pub output: PathBuf,
-    /// Print the summary as JSON
-    #[arg(long)]
-    pub json: bool,
+    pub settings: comparison::Settings,
+    #[command(flatten)]
+    pub published: Published,
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct Measure {
     #[command(flatten)]
-    pub measurement: Measurement,
+    pub settings: comparison::Settings,
     /// File for the record; standard output if left out
     #[arg(long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-}
-
-/// What is measured, and for how long.
-#[derive(Debug, Args)]
-pub(crate) struct Measurement {
-    #[command(flatten)]
-    pub subjects: Subjects,
-    /// More rays, triangles and rounds: quarter of an hour instead of two minutes
-    #[arg(long)]
-    pub full: bool,
-    /// Samples of each variant [default: 5, or 15 with --full]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    pub rounds: Option<u32>,
-}
-
-/// Methods, meshes and seed.
-#[derive(Debug, Args)]
-pub(crate) struct Subjects {
-    /// Methods, separated by commas; all if left out
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub methods: Vec<String>,
-    /// Mesh (PLY, OBJ, STL or glTF), any number of times; the Stanford bunny if left out
-    #[arg(long, value_name = "FILE")]
-    pub mesh: Vec<PathBuf>,
-    /// Seed of every random choice
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
-    #[command(flatten)]
-    pub reading: Reading,
-}
-
-const READING: &str = "Reading files";
-
-/// How files are read.
-#[derive(Debug, Args)]
-pub(crate) struct Reading {
-    /// Refuse what the standard of a file's format does not allow; otherwise what is unambiguous is
-    /// read, and what is lost is said once
-    #[arg(long, help_heading = READING)]
-    pub strict: bool,
-    /// Refuse files that a file names outside its own folder
-    #[arg(long, help_heading = READING)]
-    pub sandbox: bool,
-    /// The most memory that a file may take, with what it names and what is decoded from both: bytes,
-    /// or with K, M or G, 1024 at a time
-    #[arg(long, help_heading = READING, value_name = "SIZE", default_value = "8G", value_parser = size)]
-    pub max_memory: u64,
-}
-
-impl From<&Reading> for ReadOptions {
-    fn from(&Reading { strict, sandbox, max_memory }: &Reading) -> Self {
-        Self { strict, sandbox, max_memory }
-    }
 }
 
 #[derive(Debug, Args)]
@@ -203,119 +144,6 @@ pub(crate) struct Verify {
     #[arg(long, value_name = "FILE", requires = "mesh")]
     pub rays: Option<PathBuf>,
     /// Print the records as JSON lines
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Study what every method does in stiff and extreme cases: wrong decisions and errors against the
-/// exact oracle on families of hard pairs, limits, cracks in closed surfaces, hostile input.
-///
-/// Prints a table, and adds the page stress.html and the record stress.jsonl to a report.
-#[derive(Debug, Args)]
-pub(crate) struct Stress {
-    /// Methods, separated by commas; all if left out
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub methods: Vec<String>,
-    /// Seed of every random choice
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
-    /// Fewer pairs and rays: two minutes instead of half an hour and more, on two cores
-    #[arg(long)]
-    pub quick: bool,
-    /// Tests of hostile input in all [default: 2e9, or 2e8 with --quick]
-    #[arg(long, value_name = "N", value_parser = count)]
-    pub fuzz: Option<u64>,
-    /// Nothing but N tests of methods that claim to be exact, against the oracle: no report
-    #[arg(long, value_name = "N", value_parser = count, conflicts_with_all = ["quick", "fuzz"])]
-    pub exact: Option<u64>,
-    /// Folder of the report that the page is added to
-    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
-    pub output: PathBuf,
-    /// Print the summary as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Study what every method is worth in a ray tracer: rays of four classes through a tree, singly and in
-/// packets, beside the speed of the kernels alone; builders, sizes of leaves, threads, lanes and calls.
-///
-/// Prints a table, and adds the page study.html and the record study.jsonl to a report.
-#[derive(Debug, Args)]
-#[command(mut_arg("methods", |methods| methods.help(
-    "Methods, separated by commas, beside moller-trumbore, which always takes part; all if left out"
-)))]
-#[command(mut_arg("mesh", |mesh| mesh.help(
-    "Mesh (PLY, OBJ, STL or glTF), any number of times; the Stanford bunny and a hall if left out"
-)))]
-pub(crate) struct Study {
-    #[command(flatten)]
-    pub subjects: Subjects,
-    /// Fewer rays and samples: two minutes for all methods instead of ten
-    #[arg(long)]
-    pub quick: bool,
-    /// Threads, at most; all processors if left out
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// Folder of the report that the page is added to
-    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
-    pub output: PathBuf,
-    /// Print the summary as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Study how fast pictures of the mirror scene are: sizes and levels; threads, samples, lights, depth,
-/// leaves and tiles; and what a tree, SIMD, threads and the kernel gain over a plain tracer.
-///
-/// Prints tables, and adds the page pictures.html, with a picture of every feature, and the record
-/// pictures.jsonl to a report.
-#[derive(Debug, Args)]
-pub(crate) struct Pictures {
-    /// Methods that the fastest kernel is sought among, separated by commas; all if left out
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub methods: Vec<String>,
-    /// Seed of the order of samples
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
-    /// Fewer samples, and no pictures of more than 600 rows
-    #[arg(long)]
-    pub quick: bool,
-    /// Divide the sides of all pictures, for a trial
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
-    pub shrink: u32,
-    /// Threads, at most; all processors if left out
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// Folder of the report that the page is added to
-    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
-    pub output: PathBuf,
-    /// Print the summary as JSON
-    #[arg(long)]
-    pub json: bool,
-}
-
-/// Study what it would take to keep what nobody asks for: values in kernels; values and guarantees in the
-/// tracer; in pictures, what their scenes do not need. The same work goes in turn with it and without.
-///
-/// Prints a table, and adds the page omissions.html and the record omissions.jsonl to a report.
-#[derive(Debug, Args)]
-pub(crate) struct Omissions {
-    /// Methods whose kernels are timed, separated by commas; all if left out
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    pub methods: Vec<String>,
-    /// Seed of every random choice
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
-    /// Fewer rays, pixels and samples: seconds instead of half a minute
-    #[arg(long)]
-    pub quick: bool,
-    /// Divide the sides of all pictures, and the number of tests, for a trial
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
-    pub shrink: u32,
-    /// Folder of the report that the page is added to
-    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
-    pub output: PathBuf,
-    /// Print the summary as JSON
     #[arg(long)]
     pub json: bool,
 }

@@ -7,12 +7,14 @@ use std::time::Duration;
 use anyhow::{Context as _, Result, anyhow};
 use serde::Serialize;
 use trisect_core::{Form, Output, Triangle};
-use trisect_harness::{Candidate, Explanation, Inputs, Omission, RecommendSettings};
 use trisect_render::{Settings, Stage};
+use trisect_studies::omissions::{ExplainedPart, Explanation};
+use trisect_studies::recommend::{self, Candidate, RecommendSettings};
+use trisect_studies::{Inputs, input, omissions};
 
 use crate::arguments::Explain;
 use crate::progress::Bar;
-use crate::{output, tasks};
+use crate::{output, reading};
 
 /// What is printed as JSON.
 #[derive(Serialize)]
@@ -39,8 +41,8 @@ struct Report {
 }
 
 pub(crate) fn run(arguments: &Explain) -> Result<()> {
-    let entry = tasks::method(&arguments.method)?;
-    let scene = tasks::load_scene(&arguments.scene, &arguments.reading)?;
+    let entry = input::method(&arguments.method)?;
+    let scene = reading::load_scene(&arguments.scene, &arguments.reading)?;
     let settings = Settings {
         depth: arguments.depth,
         lights: arguments.lights.map_or(usize::MAX, usize::from),
@@ -63,7 +65,7 @@ pub(crate) fn run(arguments: &Explain) -> Result<()> {
         .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.scene.display()))?;
     let mut bar = Bar::new();
     let rounds = (arguments.rounds as usize, arguments.seed);
-    let found = trisect_harness::explain(&stage, &settings, rounds, &pool, &mut bar)?;
+    let found = omissions::explain(&stage, &settings, rounds, &pool, &mut bar)?;
     let triangles = triangles.into_inner().unwrap_or_else(PoisonError::into_inner);
     let fastest = fastest(arguments, entry.info.name, &settings, &stage, &triangles, &mut bar)?;
     drop(bar);
@@ -75,7 +77,7 @@ pub(crate) fn run(arguments: &Explain) -> Result<()> {
         depth: arguments.depth,
         threads: pool.current_num_threads(),
         triangles: stage.triangles(),
-        open_edges: triangles.iter().map(|of_tree| trisect_harness::open_edges(of_tree)).sum(),
+        open_edges: triangles.iter().map(|of_tree| trisect_studies::open_edges(of_tree)).sum(),
         trees: stage.trees().count(),
         method: entry.info.name,
         division: entry.info.forms.preferred(),
@@ -124,7 +126,7 @@ fn fastest(
         time: Duration::from_secs_f64(arguments.seconds),
         exhaustive: false,
     };
-    let found = trisect_harness::recommend(&settings, &inputs, bar)?;
+    let found = recommend::recommend(&settings, &inputs, bar)?;
     let mut fastest: Vec<Candidate> = Vec::new();
     for candidate in found.ranking {
         if fastest.iter().all(|other| other.variant.method != candidate.variant.method) {
@@ -223,7 +225,7 @@ impl Report {
             behind,
         )?;
         for omission in &self.found.omissions {
-            let Omission { part, left_out, gain, quartiles } = omission;
+            let ExplainedPart { part, left_out, gain, quartiles } = omission;
             let costs = match (left_out, gain, quartiles) {
                 (true, Some(gain), Some([low, high])) => {
                     format!("{} % ({} to {})", percent(*gain), percent(*low), percent(*high))

@@ -4,7 +4,7 @@ use anyhow::Result;
 use serde::Serialize;
 use trisect_catalog::{Entry, entries};
 use trisect_core::{Form, Input, InstructionSet, Output};
-use trisect_harness::machine;
+use trisect_studies::machine;
 
 use crate::arguments::List;
 use crate::output;

@@ -2,21 +2,17 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
-mod compare;
 mod explain;
 mod lines;
 mod list;
-mod omissions;
 mod output;
-mod pictures;
 mod progress;
 mod query;
+mod reading;
 mod recommend;
 mod records;
 mod render;
-mod stress;
-mod study;
-mod tasks;
+mod studies;
 mod trace;
 mod verify;
 
@@ -24,8 +20,9 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{CommandFactory as _, Parser as _};
-use trisect_harness::{NotExact, RecommendError, StudyError, WrongAnswer};
 use trisect_mesh::cut;
+use trisect_studies::recommend::RecommendError;
+use trisect_studies::{StudyError, WrongAnswer};
 
 use arguments::{Arguments, Verb};
 
@@ -46,22 +43,19 @@ fn main() -> ExitCode {
 /// Does what is asked.
 fn run(arguments: Arguments) -> Result<()> {
     match arguments.verb {
-        None => compare::run(&arguments.compare),
+        None => studies::compare(&arguments.compare),
         Some(Verb::List(arguments)) => list::run(&arguments),
-        Some(Verb::Measure(arguments)) => compare::measure(&arguments),
+        Some(Verb::Measure(arguments)) => studies::measure(&arguments),
         Some(Verb::Rank(arguments)) => records::rank(&arguments),
         Some(Verb::Cmp(arguments)) => records::compare(&arguments),
         Some(Verb::Report(arguments)) => records::report(&arguments),
         Some(Verb::Verify(arguments)) => verify::run(&arguments),
-        Some(Verb::Stress(arguments)) => stress::run(&arguments),
-        Some(Verb::Study(arguments)) => study::run(&arguments),
+        Some(Verb::Study(choice)) => studies::run(&choice),
         Some(Verb::Trace(arguments)) => trace::run(&arguments),
         Some(Verb::Query(arguments)) => query::run(&arguments),
         Some(Verb::Render(arguments)) => render::run(&arguments),
         Some(Verb::Recommend(arguments)) => recommend::run(&arguments),
         Some(Verb::Explain(arguments)) => explain::run(&arguments),
-        Some(Verb::Pictures(arguments)) => pictures::run(&arguments),
-        Some(Verb::Omissions(arguments)) => omissions::run(&arguments),
         Some(Verb::Completions { shell }) => output::print(|out| {
             // Into memory first: the generator panics where it cannot write.
             let mut script = Vec::new();
@@ -80,8 +74,7 @@ fn ended(done: Result<()>, code: ExitCode) -> ExitCode {
             output::say(format_args!("trisect: {}", cut(&format!("{error:#}"), LONGEST)));
             // 2: the input is at fault, as for clap's own errors; 1: trisect is.
             let is_ours = error.is::<WrongAnswer>()
-                || error.is::<NotExact>()
-                || matches!(error.downcast_ref(), Some(StudyError::WrongAnswer(_)))
+                || error.downcast_ref().is_some_and(StudyError::is_a_bug)
                 || matches!(error.downcast_ref(), Some(RecommendError::WrongAnswer(_)));
             ExitCode::from(if is_ours { 1 } else { 2 })
         }

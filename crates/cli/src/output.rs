@@ -7,7 +7,7 @@ use std::path::Path;
 
 use anyhow::{Error, Result, anyhow, bail};
 use serde::Serialize;
-use trisect_harness::file::{self, WriteError};
+use trisect_studies::file::{self, WriteError};
 
 /// Refuses a folder that cannot be written, before any work is done for it.
 pub(crate) fn check_folder(folder: &Path) -> Result<()> {

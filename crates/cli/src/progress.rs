@@ -1,7 +1,7 @@
 //! Progress on a terminal, and none elsewhere.
 
 use indicatif::{ProgressBar, ProgressStyle};
-use trisect_harness::Progress;
+use trisect_studies::Progress;
 
 /// A bar on standard error. It has no thread of its own: it is drawn between samples, never
 /// while one is taken.

@@ -11,10 +11,12 @@ use trisect_core::{
     Culling, FloatFormat, Hit, Output, Precision, Ray, Scalar as _, Triangle, UnsuitableMesh, Vec3,
 };
 use trisect_oracle::{Exact, Oracle};
+use trisect_studies::input;
 use trisect_workloads::{Mesh, RaysFile};
 
 use crate::arguments::Query;
-use crate::{list, output, tasks};
+use crate::studies::say;
+use crate::{list, output, reading};
 
 /// The name that stands for the exact truth.
 const ORACLE: &str = "oracle";
@@ -64,8 +66,8 @@ pub(crate) fn run(arguments: &Query) -> Result<()> {
                 |file| file.rays_f32,
                 |mesh| {
                     let mend = "--precision f64 keeps them where they are";
-                    tasks::say_degenerate(&arguments.mesh, mesh.degenerate, mesh);
-                    tasks::say_rounding(&arguments.mesh, mesh.rounding(), mend);
+                    input::say_degenerate(&arguments.mesh, mesh.degenerate, mesh, &say);
+                    input::say_rounding(&arguments.mesh, mesh.rounding(), mend, &say);
                     Arc::clone(&mesh.triangles)
                 },
                 in_tree.then_some(in_tree_of),
@@ -73,7 +75,7 @@ pub(crate) fn run(arguments: &Query) -> Result<()> {
         }
         FloatFormat::F64 => {
             let triangles = |mesh: &Mesh| {
-                tasks::say_degenerate(&arguments.mesh, mesh.degenerate_f64(), mesh);
+                input::say_degenerate(&arguments.mesh, mesh.degenerate_f64(), mesh, &say);
                 mesh.triangles_f64()
             };
             answer(arguments, |entry| &entry.f64, |file| file.rays, triangles, None)
@@ -92,12 +94,12 @@ fn answer<E: Precision + Serialize>(
     let finder = if arguments.method == ORACLE {
         None
     } else {
-        let entry = tasks::method(&arguments.method)?;
+        let entry = input::method(&arguments.method)?;
         let kernels = kernels(entry);
         Some((entry, kernels, choose(arguments, entry, kernels)?))
     };
-    let triangles = triangles(&tasks::read_mesh(&arguments.mesh, &arguments.reading)?);
-    let rays = rays(tasks::load_rays(&arguments.rays, &arguments.reading)?);
+    let triangles = triangles(&input::read_mesh(&arguments.mesh, &arguments.reading, &say)?);
+    let rays = rays(reading::load_rays(&arguments.rays, &arguments.reading)?);
     let culling = arguments.cull.into();
     let answers = match finder {
         None => truth(&rays, &triangles, culling, arguments.any),

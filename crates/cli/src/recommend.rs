@@ -4,12 +4,15 @@ use std::time::Duration;
 
 use anyhow::Result;
 use serde::Serialize;
-use trisect_harness::{RecommendSettings, Recommendation};
+use trisect_studies::comparison;
+use trisect_studies::input;
+use trisect_studies::recommend::{self, RecommendSettings, Recommendation};
 
 use crate::arguments::Recommend;
 use crate::progress::Bar;
 use crate::records::COLUMNS;
-use crate::{lines, output, tasks};
+use crate::studies::say;
+use crate::{lines, output, reading};
 
 /// What is printed as JSON.
 #[derive(Serialize)]
@@ -22,19 +25,20 @@ struct Report {
 }
 
 pub(crate) fn run(arguments: &Recommend) -> Result<()> {
-    let mesh = tasks::load_mesh(&arguments.mesh, &arguments.reading)?;
-    tasks::say_rounding(
+    let mesh = input::load_mesh(&arguments.mesh, &arguments.reading, &say)?;
+    input::say_rounding(
         &arguments.mesh,
         mesh.rounding(),
         "kernels in f32 are judged by where they move to",
+        &say,
     );
     let inputs = match &arguments.rays {
         Some(path) => {
-            let rays = tasks::load_rays(path, &arguments.reading)?;
-            tasks::some_rays(&rays, path)?;
-            tasks::inputs(rays, &mesh)
+            let rays = reading::load_rays(path, &arguments.reading)?;
+            reading::some_rays(&rays, path)?;
+            comparison::inputs(rays, &mesh)
         }
-        None => tasks::inputs_of(tasks::usual_rays(arguments.seed, &mesh), &mesh),
+        None => comparison::inputs_of(comparison::usual_rays(arguments.seed, &mesh), &mesh),
     };
     let settings = RecommendSettings {
         seed: arguments.seed,
@@ -47,12 +51,12 @@ pub(crate) fn run(arguments: &Recommend) -> Result<()> {
         exhaustive: arguments.exhaustive,
     };
     let mut bar = Bar::new();
-    let found = trisect_harness::recommend(&settings, &inputs, &mut bar)?;
+    let found = recommend::recommend(&settings, &inputs, &mut bar)?;
     drop(bar);
     let rust = found.ranking.first().map_or_else(String::new, |best| lines::of(&best.variant));
     let report = Report { mesh: mesh.name, found, rust };
     output::print_as(arguments.json, &report, |out| {
-        let text = trisect_report::recommendation_text(&report.mesh, &report.found, COLUMNS);
+        let text = recommend::recommendation_text(&report.mesh, &report.found, COLUMNS);
         write!(out, "{text}\n{}", report.rust)
     })
 }

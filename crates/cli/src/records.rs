@@ -5,16 +5,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail};
 use serde::Serialize;
-use trisect_harness::Settings;
-use trisect_harness::file::Files;
-use trisect_harness::record::{Record, Records};
 use trisect_mesh::{ReadOptions, Reading};
-use trisect_report::{Chapter, Filter, Page};
+use trisect_studies::comparison::{self, Filter, Throughput};
+use trisect_studies::file::Files;
+use trisect_studies::record::Records;
+use trisect_studies::{Chapter, Page, chapter_of};
 
 use crate::arguments::{Cmp, Rank, Report};
-use crate::compare::{command, read};
 use crate::output;
-use crate::progress::Bar;
+use crate::studies::read;
 
 /// Columns of what is printed: a terminal's.
 pub(crate) const COLUMNS: usize = 80;
@@ -22,7 +21,7 @@ pub(crate) const COLUMNS: usize = 80;
 pub(crate) fn rank(arguments: &Rank) -> Result<()> {
     let records = read(&arguments.record)?;
     let filter = Filter { needs: arguments.needs, workload: arguments.workload.clone() };
-    let ranking = trisect_report::rank(&records, &filter);
+    let ranking = comparison::rank(&records, &filter);
     if ranking.entries.is_empty() {
         bail!("{}: {}", arguments.record.display(), nothing_to_rank(&records, &filter));
     }
@@ -31,11 +30,8 @@ pub(crate) fn rank(arguments: &Rank) -> Result<()> {
 
 /// Why a ranking is empty, and what mends it.
 fn nothing_to_rank(records: &Records, filter: &Filter) -> String {
-    let timed = |line: &Record| match line {
-        Record::Throughput(line) => Some(line.workload.clone()),
-        _ => None,
-    };
-    let timed: BTreeSet<String> = records.lines.iter().filter_map(timed).collect();
+    let timed: BTreeSet<&str> =
+        records.all().map(|line: &Throughput| line.workload.as_str()).collect();
     if timed.is_empty() {
         return "nothing in this record is timed; make one with `trisect measure --output FILE`"
             .to_owned();
@@ -56,7 +52,7 @@ fn nothing_to_rank(records: &Records, filter: &Filter) -> String {
 
 pub(crate) fn compare(arguments: &Cmp) -> Result<()> {
     let (a, b) = (read(&arguments.a)?, read(&arguments.b)?);
-    let comparison = trisect_report::compare(&a, &b);
+    let comparison = comparison::compare_records(&a, &b);
     show(&comparison, &comparison.to_text(COLUMNS), arguments.json)
 }
 
@@ -65,7 +61,7 @@ pub(crate) fn report(arguments: &Report) -> Result<()> {
     if !arguments.splice.is_empty() {
         return splice(&records, &arguments.splice);
     }
-    let chapter = Chapter::of(&records);
+    let chapter = chapter_of(&records);
     check(chapter, &arguments.output)?;
     tell(chapter, &chapter.publish(&records, &arguments.output)?, &records, arguments.json)
 }
@@ -79,7 +75,7 @@ fn splice(records: &Records, documents: &[PathBuf]) -> Result<()> {
             .map_err(|problem| anyhow!("{}: {problem}", path.display()))?;
         let document = String::from_utf8(document)
             .map_err(|_| anyhow!("{}: is not UTF-8; save it as that", path.display()))?;
-        let text = trisect_report::splice(&document, records)
+        let text = trisect_studies::splice(&document, records)
             .with_context(|| path.display().to_string())?;
         spliced.push((path, text));
     }
@@ -94,41 +90,30 @@ fn splice(records: &Records, documents: &[PathBuf]) -> Result<()> {
     Ok(())
 }
 
-/// A record with no more than the facts of the machine, for a study that adds what it finds.
-pub(crate) fn of_machine(seed: u64, rounds: usize, progress: &mut Bar) -> Result<Records> {
-    let settings = Settings { command: command(), seed, rounds, methods: Vec::new(), timed: false };
-    Ok(trisect_harness::measure(&settings, [], progress)?)
-}
-
 /// Refuses a folder that a chapter could not be published in, before any work is done for it.
-pub(crate) fn check(chapter: Chapter, folder: &Path) -> Result<()> {
+pub(crate) fn check(chapter: &Chapter, folder: &Path) -> Result<()> {
     output::check_folder(folder)?;
     Ok(chapter.check(folder)?)
 }
 
 /// Publishes a record that was taken for a report, with its page, and prints its summary.
-pub(crate) fn keep(chapter: Chapter, taken: &Records, folder: &Path, json: bool) -> Result<()> {
+pub(crate) fn keep(chapter: &Chapter, taken: &Records, folder: &Path, json: bool) -> Result<()> {
     let page = chapter.keep(taken, folder)?;
     tell(chapter, &page, taken, json)?;
-    output::say(format_args!("record  {}", folder.join(chapter.record()).display()));
+    output::say(format_args!("record  {}", folder.join(chapter.about.record).display()));
     Ok(())
 }
 
 /// Prints a summary, and says where the page is.
-fn tell(chapter: Chapter, page: &Page, records: &Records, json: bool) -> Result<()> {
-    macro_rules! show {
-        ($summary:path) => {{
-            let summary = $summary(records);
-            show(&summary, &summary.to_text(COLUMNS), json)
-        }};
-    }
-    match chapter {
-        Chapter::Comparison => show!(trisect_report::summary),
-        Chapter::Stress => show!(trisect_report::stress_summary),
-        Chapter::Tracer => show!(trisect_report::study_summary),
-        Chapter::Pictures => show!(trisect_report::picture_summary),
-        Chapter::Omissions => show!(trisect_report::omission_summary),
-    }?;
+fn tell(chapter: &Chapter, page: &Page, records: &Records, json: bool) -> Result<()> {
+    output::print(|out| {
+        if json {
+            chapter.write_summary(records, &mut *out)?;
+            writeln!(out)
+        } else {
+            writeln!(out, "{}", page.document.to_text(COLUMNS).trim_end())
+        }
+    })?;
     output::say(format_args!("\npage    {}", page.index.display()));
     Ok(())
 }

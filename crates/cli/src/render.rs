@@ -8,13 +8,13 @@ use std::time::Instant;
 use anyhow::{Context as _, Result, anyhow, bail};
 use serde::Serialize;
 use trisect_catalog::Tracing;
-use trisect_harness::{Progress as _, file, nanoseconds};
 use trisect_render::{ImageFormat, Mode, Occlusion, Renderer, Sampling, Settings, Stage, Watch};
 use trisect_scene::Scene;
+use trisect_studies::{Progress as _, file, input, nanoseconds};
 
 use crate::arguments::{Light, Render};
 use crate::progress::Bar;
-use crate::{output, tasks};
+use crate::{output, reading};
 
 /// Pixels of the largest picture: it takes 32 bytes a pixel while it is made.
 const LARGEST: u64 = 1 << 26;
@@ -46,12 +46,12 @@ struct Report {
 }
 
 pub(crate) fn run(arguments: &Render) -> Result<()> {
-    let entry = tasks::method(&arguments.method)?;
+    let entry = input::method(&arguments.method)?;
     let out = &arguments.out;
     let format = ImageFormat::of(out).map_err(|error| anyhow!("{}: {error}", out.display()))?;
     output::check_file_for(out, "--out")?;
     let start = Instant::now();
-    let scene = tasks::load_scene(&arguments.scene, &arguments.reading)?;
+    let scene = reading::load_scene(&arguments.scene, &arguments.reading)?;
     let load = start.elapsed();
     let settings = settings(arguments, &scene)?;
     let (lights, instances) = (scene.lights.len().min(settings.lights), scene.instances.len());

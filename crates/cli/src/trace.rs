@@ -7,10 +7,11 @@ use anyhow::{Context as _, Result, anyhow};
 use serde::Serialize;
 use trisect_catalog::{Statistics, Tracing, Tree, TriangleHit};
 use trisect_core::{Culling, Ray};
-use trisect_harness::{file, nanoseconds};
+use trisect_studies::{file, input, nanoseconds};
 
 use crate::arguments::Trace;
-use crate::{output, tasks};
+use crate::studies::say;
+use crate::{output, reading};
 
 /// What is printed as JSON.
 #[derive(Serialize)]
@@ -46,13 +47,13 @@ enum Found {
 }
 
 pub(crate) fn run(arguments: &Trace) -> Result<()> {
-    let entry = tasks::method(&arguments.method)?;
+    let entry = input::method(&arguments.method)?;
     if let Some(file) = &arguments.out {
         output::check_file_for(file, "--out")?;
     }
-    let mesh = tasks::load_mesh(&arguments.mesh, &arguments.reading)?;
-    tasks::say_rounding(&arguments.mesh, mesh.rounding(), tasks::MOVE);
-    let rays = tasks::load_rays(&arguments.rays, &arguments.reading)?.rays_f32;
+    let mesh = input::load_mesh(&arguments.mesh, &arguments.reading, &say)?;
+    input::say_rounding(&arguments.mesh, mesh.rounding(), input::MOVE, &say);
+    let rays = reading::load_rays(&arguments.rays, &arguments.reading)?.rays_f32;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.map_or(0, usize::from))
         .build()

@@ -4,44 +4,34 @@ use std::io::{self, Write};
 
 use anyhow::Result;
 use trisect_core::{MultiplyAdd, ReciprocalKind};
-use trisect_harness::Settings;
-use trisect_harness::record::{Decisions, Error, Quantiles, Record, Records, Variant};
+use trisect_studies::comparison::{
+    Agreement, Decisions, Error, Quantiles, Workload, compare, verification,
+};
+use trisect_studies::record::{Records, Variant};
+use trisect_studies::{Taken, input};
 
 use crate::arguments::Verify;
-use crate::compare::command;
 use crate::progress::Bar;
-use crate::{output, tasks};
+use crate::studies::{command, say};
+use crate::{output, reading};
 
 pub(crate) fn run(arguments: &Verify) -> Result<()> {
-    let settings = Settings {
-        command: command(),
-        seed: arguments.subjects.seed,
-        rounds: 0,
-        methods: tasks::methods(&arguments.subjects.methods)?,
-        timed: false,
-    };
-    let meshes = if arguments.subjects.mesh.is_empty() {
-        Vec::new()
-    } else {
-        tasks::meshes(&arguments.subjects, Vec::new)?
-    };
-    for (path, mesh) in arguments.subjects.mesh.iter().zip(&meshes) {
-        tasks::say_rounding(
-            path,
-            mesh.rounding(),
-            "kernels in f32 are judged by where they move to",
-        );
-    }
+    const MEND: &str = "kernels in f32 are judged by where they move to";
+    let seed = arguments.subjects.seed;
+    let methods = input::methods(&arguments.subjects.methods)?;
+    let meshes = arguments.subjects.meshes(Vec::new, MEND, &say)?;
     let rays = match &arguments.rays {
         Some(path) => {
-            let rays = tasks::load_rays(path, &arguments.subjects.reading)?;
-            tasks::some_rays(&rays, path)?;
+            let rays = reading::load_rays(path, &arguments.subjects.reading)?;
+            reading::some_rays(&rays, path)?;
             Some(rays)
         }
         None => None,
     };
-    let tasks = tasks::verification(&arguments.subjects, &meshes, rays.as_ref());
-    let records = trisect_harness::measure(&settings, tasks, &mut Bar::new())?;
+    let tasks = verification(seed, &meshes, rays.as_ref());
+    // Nothing is timed.
+    let taken = Taken { command: command(), seed, rounds: 0 };
+    let records = taken.record(&mut Bar::new(), |run| compare(&methods, (seed, 0), tasks, run))?;
     output::print(|out| if arguments.json { records.write(out) } else { table(&records, out) })
 }
 
@@ -50,65 +40,57 @@ fn table(records: &Records, out: &mut dyn Write) -> io::Result<()> {
     let mut first = true;
     let mut heading = None;
     for line in &records.lines {
-        match line {
-            Record::Workload(workload) => {
-                if !std::mem::take(&mut first) {
-                    writeln!(out)?;
-                }
-                writeln!(
-                    out,
-                    "{}: {}\n{} rays, {} triangles, {:.3} % of the pairs hit\n\
-                     exact arithmetic for {} of {} pairs\n",
-                    workload.name,
-                    workload.description,
-                    workload.rays,
-                    workload.triangles,
-                    workload.hit_rate * 100.0,
-                    workload.oracle_exact,
-                    workload.oracle_tests,
-                )?;
-                writeln!(out, "{:<32} {:>7} {:>7}   relative error of t", "", "false", "false")?;
-                writeln!(
-                    out,
-                    "{:<32} {:>7} {:>7} {:>8} {:>8} {:>8}",
-                    "", "hits", "misses", "median", "p99", "max"
-                )?;
-                heading = None;
-            }
-            Record::Decisions(decisions) => {
-                let errors = records.lines.iter().find_map(|line| match line {
-                    Record::Error(error) if of_t(error, decisions) => Some(error),
-                    _ => None,
-                });
-                let (false_hits, false_misses) = wrong(decisions);
-                if heading != Some(&decisions.variant.method) {
-                    heading = Some(&decisions.variant.method);
-                    writeln!(out, "{}", decisions.variant.method)?;
-                }
-                let label = label(&decisions.variant);
-                write!(out, "  {label:<30} {false_hits:>7} {false_misses:>7}")?;
-                let numbers: [fn(&Quantiles) -> f64; 3] = [|q| q.median, |q| q.p99, |q| q.max];
-                for number in numbers {
-                    let number = errors.map_or_else(String::new, |error| shown(error, number));
-                    write!(out, " {number:>8}")?;
-                }
+        if let Some(workload) = line.get::<Workload>() {
+            if !std::mem::take(&mut first) {
                 writeln!(out)?;
             }
-            Record::Agreement(agreement) => {
+            writeln!(
+                out,
+                "{}: {}\n{} rays, {} triangles, {:.3} % of the pairs hit\n\
+                     exact arithmetic for {} of {} pairs\n",
+                workload.name,
+                workload.description,
+                workload.rays,
+                workload.triangles,
+                workload.hit_rate * 100.0,
+                workload.oracle_exact,
+                workload.oracle_tests,
+            )?;
+            writeln!(out, "{:<32} {:>7} {:>7}   relative error of t", "", "false", "false")?;
+            writeln!(
+                out,
+                "{:<32} {:>7} {:>7} {:>8} {:>8} {:>8}",
+                "", "hits", "misses", "median", "p99", "max"
+            )?;
+            heading = None;
+        } else if let Some(decisions) = line.get::<Decisions>() {
+            let errors = records.all().find(|error| of_t(error, decisions));
+            let (false_hits, false_misses) = wrong(decisions);
+            if heading != Some(&decisions.variant.method) {
+                heading = Some(&decisions.variant.method);
+                writeln!(out, "{}", decisions.variant.method)?;
+            }
+            let label = label(&decisions.variant);
+            write!(out, "  {label:<30} {false_hits:>7} {false_misses:>7}")?;
+            let numbers: [fn(&Quantiles) -> f64; 3] = [|q| q.median, |q| q.p99, |q| q.max];
+            for number in numbers {
+                let number = errors.map_or_else(String::new, |error| shown(error, number));
+                write!(out, " {number:>8}")?;
+            }
+            writeln!(out)?;
+        } else if let Some(agreement) = line.get::<Agreement>() {
+            writeln!(
+                out,
+                "\n{}: all methods pick the same closest triangle for {} of {} rays",
+                agreement.precision, agreement.unanimous, agreement.rays
+            )?;
+            for differs in &agreement.differs_from_oracle {
                 writeln!(
                     out,
-                    "\n{}: all methods pick the same closest triangle for {} of {} rays",
-                    agreement.precision, agreement.unanimous, agreement.rays
+                    "  {:<30} differs from the oracle on {}",
+                    differs.method, differs.count
                 )?;
-                for differs in &agreement.differs_from_oracle {
-                    writeln!(
-                        out,
-                        "  {:<30} differs from the oracle on {}",
-                        differs.method, differs.count
-                    )?;
-                }
             }
-            _ => {}
         }
     }
     Ok(())

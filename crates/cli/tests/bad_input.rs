@@ -4,7 +4,7 @@
 mod common;
 
 use common::{CSV, Folder, OBJ};
-use trisect_harness::record::SCHEMA;
+use trisect_studies::record::SCHEMA;
 
 /// A command that must be refused.
 struct Case {

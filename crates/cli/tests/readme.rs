@@ -2,8 +2,6 @@
 
 use std::path::Path;
 
-use trisect_harness::record::Records;
-
 /// Runs the `console` blocks of the documents from the root of the workspace, where a reader
 /// types them. Blocks marked `console,ignore` and commands of cargo are not run: they take
 /// minutes.
@@ -33,10 +31,10 @@ fn documents_are_spliced_from_their_record() {
         ("omissions.jsonl", &["docs/NEEDS.md"]),
     ] {
         let file = std::fs::File::open(folder.join(record)).expect("the documents name it");
-        let records = Records::read(std::io::BufReader::new(file)).expect("a sound record");
+        let records = trisect_studies::read(std::io::BufReader::new(file)).expect("a sound record");
         for &document in documents {
             let text = std::fs::read_to_string(root.join(document)).expect("a document");
-            let spliced = trisect_report::splice(&text, &records).expect("there are markers");
+            let spliced = trisect_studies::splice(&text, &records).expect("there are markers");
             assert!(
                 spliced == text,
                 "{document} is out of date: splice it anew with the command that it names"

@@ -22,5 +22,5 @@ pub use gltf::{
 pub use mesh::{Bounds, Mesh, MeshFormat};
 pub use obj::{ObjCorner, ObjFile, ObjLine, ObjTriangle};
 pub use quote::{cut, quoted};
-pub use reading::{Note, ReadOptions, ReadProblem, Reading};
+pub use reading::{FileInMemory, Note, ReadOptions, ReadProblem, Reading};
 pub use text::{lines, unquoted, without_comment};

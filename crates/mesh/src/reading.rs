@@ -3,7 +3,7 @@
 use std::fmt;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// How files are read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -99,12 +99,22 @@ pub struct Reading {
     root: Option<PathBuf>,
     used: u64,
     notes: Vec<Note>,
+    /// The files that there are; those of the system, where none are given.
+    files: Option<&'static [FileInMemory]>,
 }
+
+/// A file in memory: its path, and its content.
+pub type FileInMemory = (&'static str, &'static [u8]);
 
 impl Reading {
     /// A reading of what is in memory; nothing is read yet.
     pub fn new(options: &ReadOptions) -> Self {
-        Self { options: options.clone(), root: None, used: 0, notes: Vec::new() }
+        Self { options: options.clone(), root: None, used: 0, notes: Vec::new(), files: None }
+    }
+
+    /// A reading of files in memory: no others are there.
+    pub fn in_memory(files: &'static [FileInMemory]) -> Self {
+        Self { files: Some(files), ..Self::new(&ReadOptions::default()) }
     }
 
     /// The whole content of a regular file. The first file's folder is the one that a sandbox keeps
@@ -114,6 +124,12 @@ impl Reading {
     /// When the file cannot be read, is no regular file, lies outside the sandbox, or is larger than
     /// the memory that is left.
     pub fn file(&mut self, path: &Path) -> Result<Vec<u8>, ReadProblem> {
+        if let Some(files) = self.files {
+            let path = without_parents(path);
+            let file = files.iter().find(|(name, _)| Path::new(name) == path);
+            let missing = || ReadProblem::Unreadable(io::ErrorKind::NotFound.into());
+            return self.stream(file.ok_or_else(missing)?.1);
+        }
         // Before it is opened: to open a pipe that nobody writes to would wait for ever.
         let facts = path.metadata().map_err(ReadProblem::Unreadable)?;
         if !facts.is_file() {
@@ -210,5 +226,32 @@ impl Reading {
     /// What was noted, each kind once for a file, in the order in which it was met.
     pub fn into_notes(self) -> Vec<Note> {
         self.notes
+    }
+}
+
+/// A path with `folder/..` left out.
+fn without_parents(path: &Path) -> PathBuf {
+    let mut short = PathBuf::new();
+    for part in path.components() {
+        if part != Component::ParentDir || !short.pop() {
+            short.push(part);
+        }
+    }
+    short
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_in_memory_are_named_by_their_paths() {
+        let mut reading = Reading::in_memory(&[("scenes/a", b"1"), ("b", b"2")]);
+        let mut content = |path: &str| reading.file(Path::new(path));
+        assert_eq!(content("scenes/a").expect("it is there"), b"1");
+        assert_eq!(content("scenes/../b").expect("it is there"), b"2");
+        for missing in ["a", "scenes/b", "../b", "/etc/passwd"] {
+            assert!(matches!(content(missing), Err(ReadProblem::Unreadable(_))), "{missing}");
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! How numbers are written, the same in terminals, tables and figures.
 
 /// Digits grouped by commas.
-pub(crate) fn grouped(n: u64) -> String {
+pub fn grouped(n: u64) -> String {
     let digits = n.to_string();
     let mut out = String::new();
     for (i, c) in digits.chars().enumerate() {
@@ -14,7 +14,7 @@ pub(crate) fn grouped(n: u64) -> String {
 }
 
 /// Three significant digits, or all digits before the point.
-pub(crate) fn number(x: f64) -> String {
+pub fn number(x: f64) -> String {
     let size = x.abs();
     if !x.is_finite() {
         return x.to_string();
@@ -32,7 +32,7 @@ pub(crate) fn number(x: f64) -> String {
 }
 
 /// A number without zeros that say nothing, for ticks of axes.
-pub(crate) fn tick(x: f64) -> String {
+pub fn tick(x: f64) -> String {
     let text = number(x);
     if text.contains('.') && !text.contains('e') {
         text.trim_end_matches('0').trim_end_matches('.').into()
@@ -42,22 +42,22 @@ pub(crate) fn tick(x: f64) -> String {
 }
 
 /// One digit after the point, and an exponent.
-pub(crate) fn scientific(x: f64) -> String {
+pub fn scientific(x: f64) -> String {
     if x == 0.0 { "0".into() } else { format!("{x:.1e}") }
 }
 
 /// A ratio with its sign of multiplication.
-pub(crate) fn ratio(x: f64) -> String {
+pub fn ratio(x: f64) -> String {
     if x >= 9.95 { format!("{}×", number(x)) } else { format!("{x:.2}×") }
 }
 
 /// Million tests per second, from nanoseconds per test.
-pub(crate) fn mtests(ns: f64) -> f64 {
+pub fn mtests(ns: f64) -> f64 {
     1e3 / ns
 }
 
 /// A size in memory.
-pub(crate) fn bytes(x: f64) -> String {
+pub fn bytes(x: f64) -> String {
     let (value, unit) = match x {
         x if x < 1024.0 => (x, "B"),
         x if x < 1024.0 * 1024.0 => (x / 1024.0, "KiB"),
@@ -69,7 +69,7 @@ pub(crate) fn bytes(x: f64) -> String {
 }
 
 /// A power of ten as it is set in print.
-pub(crate) fn power_of_ten(exponent: i32) -> String {
+pub fn power_of_ten(exponent: i32) -> String {
     let plain = exponent.to_string();
     let digits = plain.chars().map(|c| match c {
         '-' => '⁻',
@@ -89,7 +89,7 @@ pub(crate) fn power_of_ten(exponent: i32) -> String {
 
 /// A multiple of a power of ten as it is set in print, for ticks of axes.
 #[expect(clippy::cast_possible_truncation, reason = "exponents of finite floats")]
-pub(crate) fn times_power_of_ten(x: f64) -> String {
+pub fn times_power_of_ten(x: f64) -> String {
     let exponent = (x.log10() + 1e-9).floor();
     let factor = x / 10f64.powf(exponent);
     if (factor - 1.0).abs() < 1e-6 {
@@ -99,6 +99,16 @@ pub(crate) fn times_power_of_ten(x: f64) -> String {
 }
 
 /// A value that may be missing.
-pub(crate) fn or_dash(x: Option<f64>, write: fn(f64) -> String) -> String {
+pub fn or_dash(x: Option<f64>, write: fn(f64) -> String) -> String {
     x.map_or_else(|| "–".into(), write)
+}
+
+/// A number with two digits after the point.
+pub fn fixed(x: f64) -> String {
+    format!("{x:.2}")
+}
+
+/// A share in per cent, its number with a digit after the point at most.
+pub fn percent(x: f64) -> String {
+    format!("{} %", tick((x * 10.0).round() / 10.0))
 }

@@ -3,7 +3,35 @@
 //! Times are summarised by medians because a preempted sample is long, never short; ratios by
 //! geometric means because only those do not depend on which side is called the base.
 
-pub use trisect_harness::stats::{median, quantile, quartiles};
+/// The value below which a share `q` of `values` lies, interpolated between neighbours; `None`
+/// for an empty list or when a value is not a number.
+pub fn quantile(values: &[f64], q: f64) -> Option<f64> {
+    if values.is_empty() || values.iter().any(|x| x.is_nan()) {
+        return None;
+    }
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = q.clamp(0.0, 1.0) * (sorted.len() - 1) as f64;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 <= at < len")]
+    let low = at.floor() as usize;
+    let high = (low + 1).min(sorted.len() - 1);
+    let share = at - at.floor();
+    // Equal neighbours are returned untouched, so that infinities stay infinities.
+    if sorted[low] == sorted[high] {
+        return Some(sorted[low]);
+    }
+    Some(sorted[low] * (1.0 - share) + sorted[high] * share)
+}
+
+/// The median; `None` for an empty list.
+pub fn median(values: &[f64]) -> Option<f64> {
+    quantile(values, 0.5)
+}
+
+/// The first and third quartile; `None` for an empty list.
+pub fn quartiles(values: &[f64]) -> Option<(f64, f64)> {
+    Some((quantile(values, 0.25)?, quantile(values, 0.75)?))
+}
 
 /// The median absolute deviation from the median; `None` for an empty list.
 pub fn mad(values: &[f64]) -> Option<f64> {

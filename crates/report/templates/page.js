@@ -8,7 +8,7 @@
   const heads = Array.from(table.tHead.rows[0].cells);
   const key = (row, i) => {
     const cell = row.cells[i];
-    if (!cell.classList.contains("n")) return cell.textContent;
+    if (!cell.classList.contains("number")) return cell.textContent;
     return "v" in cell.dataset ? Number(cell.dataset.v) : NaN;
   };
   const compare = (a, b, up) => {

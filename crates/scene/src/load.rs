@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use trisect_mesh::{MeshFormat, ReadOptions, ReadProblem, Reading};
+use trisect_mesh::{FileInMemory, MeshFormat, ReadOptions, ReadProblem, Reading};
 
 use crate::draft::Draft;
 use crate::error::{SceneError, SceneProblem};
@@ -14,9 +14,8 @@ use crate::{gltf_scene, obj, toml_file};
 /// Pixels of a picture where a file says nothing of it.
 pub(crate) const SIZE: [u32; 2] = [640, 480];
 
-/// The scenes of `data/scenes` with all files that they name, by their paths in `data`, so that they can
-/// be put where the program is.
-pub const SHIPPED: [(&str, &[u8]); 10] = [
+/// The scenes of `data/scenes` with all files that they name, by their paths in `data`.
+pub const SHIPPED: &[FileInMemory] = &[
     ("meshes/teapot.ply", include_bytes!("../../../data/meshes/teapot.ply")),
     ("scenes/block.mtl", include_bytes!("../../../data/scenes/block.mtl")),
     ("scenes/block.obj", include_bytes!("../../../data/scenes/block.obj")),
@@ -51,6 +50,14 @@ impl Scene {
         let mut scene = Self::read(path.as_ref(), &mut reading)?;
         scene.notes = reading.into_notes();
         Ok(scene)
+    }
+
+    /// Reads one of the scenes that are compiled into the program, by its path among [`SHIPPED`].
+    ///
+    /// # Errors
+    /// When there is no such scene.
+    pub fn shipped(path: &str) -> Result<Self, SceneError> {
+        Self::read(Path::new(path), &mut Reading::in_memory(SHIPPED))
     }
 
     fn read(path: &Path, reading: &mut Reading) -> Result<Self, SceneError> {

@@ -118,5 +118,5 @@ fn write(frame: &Frame, out: &Path) -> Result<()> {
     let mut writer = encoder.write_header()?;
     writer.write_image_data(&frame.to_rgb())?;
     writer.finish()?;
-    Ok(trisect_harness::file::replace(out, |out| out.write_all(&file))?)
+    Ok(trisect_studies::file::replace(out, |out| out.write_all(&file))?)
 }

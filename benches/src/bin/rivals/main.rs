@@ -20,7 +20,7 @@ use clap::Parser;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rand::SeedableRng as _;
 use rand_pcg::Pcg64;
-use trisect_harness::ClassOfRays;
+use trisect_studies::tracer::ClassOfRays;
 use trisect_workloads::{Mesh, RayClass, read_rays};
 
 use crate::contender::{Entrant, Resident, build, quiet_guarded_panics, race};
@@ -229,8 +229,12 @@ fn classes(mesh: &Mesh, arguments: &Arguments) -> Result<Vec<ClassOfRays>> {
     say(&format!("{}: making rays", mesh.name));
     let mut asked = RayClass::ALL.to_vec();
     asked.retain(|class| arguments.classes.contains(class));
-    let made =
-        trisect_harness::classes_of_rays(mesh, arguments.pixels.into(), arguments.seed, &asked);
+    let made = trisect_studies::tracer::classes_of_rays(
+        mesh,
+        arguments.pixels.into(),
+        arguments.seed,
+        &asked,
+    );
     // Without what the camera sees there are no rays from it.
     ensure!(
         !made.is_empty(),

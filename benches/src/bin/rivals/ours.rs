@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow};
-use trisect_catalog::{BuildTree, Builder, Entry, Tracing, Tree, TriangleHit, find};
+use trisect_catalog::{Builder, Entry, Tracing, Tree, TriangleHit, find};
 use trisect_core::{Culling, Ray};
 
 use crate::contender::{Answers, Built, Contender, Entrant, Found, timed};
@@ -24,12 +24,12 @@ const WAYS: [Way; 2] = [(Tracing::Single, ""), (Tracing::Packets, " packets")];
 /// # Errors
 /// When there is no such method.
 pub(crate) fn entrants(method: &str) -> Result<Vec<Entrant>> {
-    let Entry { tree, .. } = self::method(method)?;
+    let entry = self::method(method)?;
     let entrants = Builder::ALL.into_iter().rev().map(|builder| {
         if builder == Builder::default() {
-            entrant(method, &WAYS, builder, *tree)
+            entrant(method, &WAYS, builder, entry)
         } else {
-            entrant(&format!("{method} {builder}"), &WAYS[..1], builder, *tree)
+            entrant(&format!("{method} {builder}"), &WAYS[..1], builder, entry)
         }
     });
     Ok(entrants.collect())
@@ -40,12 +40,12 @@ fn method(name: &str) -> Result<&'static Entry> {
         .with_context(|| format!("unknown method `{name}`; `trisect list` shows what there is"))
 }
 
-fn entrant(name: &str, ways: &'static [Way], builder: Builder, build: BuildTree) -> Entrant {
+fn entrant(name: &str, ways: &'static [Way], builder: Builder, entry: &'static Entry) -> Entrant {
     Entrant {
         name: name.to_owned(),
         contenders: ways.iter().map(|(_, suffix)| format!("{name}{suffix}")).collect(),
         build: Box::new(move |triangles, threads| {
-            let (tree, time) = timed(threads, || build(triangles, builder))?;
+            let (tree, time) = timed(threads, || entry.tree(triangles, builder))?;
             let tree = tree.map_err(|unsuitable| anyhow!("{unsuitable}"))?;
             let bytes = Some(tree.statistics().bytes);
             let tree: Arc<dyn Tree> = tree.into();

@@ -5,9 +5,9 @@ use std::time::Duration;
 
 use anyhow::Result;
 use serde::Serialize;
-use trisect_harness::record::Machine;
-use trisect_harness::{machine, nanoseconds};
 use trisect_report::stats::{geometric_mean, median};
+use trisect_studies::record::Machine;
+use trisect_studies::{machine, nanoseconds};
 use trisect_workloads::Mesh;
 
 use crate::contender::{Answers, Resident, Standing};

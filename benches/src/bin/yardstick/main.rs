@@ -16,9 +16,9 @@ use rand_pcg::Pcg64;
 use serde::Serialize;
 use trisect_catalog::{Entry, Kernel, Scene, Tally, entries};
 use trisect_core::{Arrangement, Float, Form, InstructionSet, MultiplyAdd, Output, ReciprocalKind};
-use trisect_harness::machine;
-use trisect_harness::record::Machine;
 use trisect_kernel_benches::{SEED, kernel_name, workloads};
+use trisect_studies::machine;
+use trisect_studies::record::Machine;
 use trisect_workloads::Workload;
 
 /// The method that the intrinsics are written for.

@@ -5,17 +5,6 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use trisect_catalog::Builder;
 use trisect_core::Named;
 
-/// A count, in digits or as `1e9`.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "whole and in range")]
-pub(super) fn count(text: &str) -> Result<u64, String> {
-    let asked: f64 = text.parse().map_err(|_| "not a number; give a count, as 1e9".to_owned())?;
-    if asked.fract() == 0.0 && (0.0..=1e15).contains(&asked) {
-        Ok(asked as u64)
-    } else {
-        Err("not a whole number from 0 to 1e15".to_owned())
-    }
-}
-
 /// Lists the builders in help and completions.
 pub(super) fn builders() -> impl TypedValueParser<Value = Builder> {
     PossibleValuesParser::new(Builder::ALL.map(Builder::name))
@@ -26,20 +15,6 @@ pub(super) fn builders() -> impl TypedValueParser<Value = Builder> {
 pub(super) fn named<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(T::ALL.iter().map(|value| value.name()))
         .map(|name| T::named(&name).expect("it is listed"))
-}
-
-/// A size in memory, in bytes or with a unit.
-pub(super) fn size(text: &str) -> Result<u64, String> {
-    let units = [('K', 10), ('M', 20), ('G', 30)];
-    let unit = units.into_iter().find_map(|(unit, shift)| {
-        let digits = text.strip_suffix([unit, unit.to_ascii_lowercase()])?;
-        Some((digits, shift))
-    });
-    let (digits, shift) = unit.unwrap_or((text, 0));
-    let count: Option<u64> = digits.parse().ok();
-    count
-        .and_then(|count| count.checked_mul(1 << shift))
-        .ok_or_else(|| "not a size; give bytes, or as 512M or 2G".to_owned())
 }
 
 /// An error that is allowed.
@@ -108,23 +83,6 @@ impl Width {
             Self::W8 => Some(8),
             Self::W16 => Some(16),
             Self::Native => None,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use trisect_mesh::ReadOptions;
-
-    use super::*;
-
-    #[test]
-    fn sizes_have_units() {
-        assert_eq!(size("4096"), Ok(4096));
-        assert_eq!((size("3K"), size("3m"), size("1G")), (Ok(3 << 10), Ok(3 << 20), Ok(1 << 30)));
-        assert_eq!(size("8G"), Ok(ReadOptions::MAX_MEMORY), "the default");
-        for wrong in ["", "G", "1.5G", "-1", "1T", "99999999999G"] {
-            assert!(size(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -1,0 +1,98 @@
+//! Studies: they are taken, published and summed up.
+
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result};
+use clap::Args;
+use trisect_studies::comparison::Comparison;
+use trisect_studies::record::Records;
+use trisect_studies::stress::{self, Stability, exactness_summary};
+use trisect_studies::{Chapter, Choice, Study, StudyError, StudyVisitor, file};
+
+use crate::arguments::{Compare, Measure};
+use crate::output;
+use crate::progress::Bar;
+use crate::records::{self, COLUMNS};
+
+/// Where a study goes.
+#[derive(Debug, Args)]
+pub(crate) struct Published {
+    /// Folder of the report that the page is added to
+    #[arg(long, value_name = "FOLDER", default_value = "reports/latest")]
+    pub output: PathBuf,
+    /// Print the summary as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Takes a study, publishes its record and its page, and prints its summary.
+pub(crate) fn run(choice: &Choice<Published>) -> Result<()> {
+    match choice {
+        Choice::Stress(asked) if asked.settings.exact.is_some() => {
+            hold_to_exactness(&asked.settings, asked.more.json)
+        }
+        _ => choice.visit(Publish),
+    }
+}
+
+/// The same of the comparison.
+pub(crate) fn compare(arguments: &Compare) -> Result<()> {
+    Publish(&arguments.published).visit::<Comparison>(&arguments.settings)
+}
+
+struct Publish<'a>(&'a Published);
+
+impl StudyVisitor for Publish<'_> {
+    type Output = Result<()>;
+
+    fn visit<S: Study>(self, settings: &S::Settings) -> Result<()> {
+        let Published { output, json } = self.0;
+        // All input is read before anything is written or measured.
+        let study = S::plan(settings, &say)?;
+        let chapter = Chapter::of::<S>();
+        records::check(&chapter, output)?;
+        let taken = study.record(command(), &mut Bar::new())?;
+        records::keep(&chapter, &taken, output, *json)
+    }
+}
+
+/// Takes the record of a comparison alone.
+pub(crate) fn measure(arguments: &Measure) -> Result<()> {
+    let study = Comparison::plan(&arguments.settings, &say)?;
+    if let Some(file) = &arguments.output {
+        output::check_file(file)?;
+    }
+    let records = study.record(command(), &mut Bar::new())?;
+    match &arguments.output {
+        Some(file) => Ok(file::replace(file, |out| records.write(out))?),
+        None => output::print(|out| records.write(out)),
+    }
+}
+
+/// Nothing but methods that claim to be exact against the oracle.
+fn hold_to_exactness(settings: &stress::Settings, json: bool) -> Result<()> {
+    let records = Stability::plan(settings, &say)?.record(command(), &mut Bar::new())?;
+    let summary = exactness_summary(&records);
+    records::show(&summary, &summary.to_text(COLUMNS), json)?;
+    if summary.total().all_wrong() > 0 {
+        return Err(StudyError::NotExact(summary.first_wrong.unwrap_or_default()).into());
+    }
+    Ok(())
+}
+
+/// Says something about the input.
+pub(crate) fn say(line: &dyn Display) {
+    output::say(line);
+}
+
+/// The command line as it was typed, without the folder of the program.
+pub(crate) fn command() -> String {
+    let arguments = std::env::args().skip(1);
+    std::iter::once("trisect".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+/// Reads a record.
+pub(crate) fn read(path: &Path) -> Result<Records> {
+    trisect_studies::load(path).with_context(|| path.display().to_string())
+}

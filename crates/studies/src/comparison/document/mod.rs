@@ -1,0 +1,16 @@
+//! The comparison of methods: its index over records, summary, figures, ranking and document.
+
+mod compare;
+pub(crate) mod figures;
+mod havel;
+mod needs;
+mod rank;
+mod sections;
+pub(crate) mod summary;
+pub(crate) mod view;
+
+pub use compare::{ComparedVariant, ErrorDifference, RecordComparison, compare_records};
+pub use rank::{Filter, Ranked, Ranking, rank};
+pub use summary::{FrontPoint, MethodRow, PrecisionRow, Summary, Winner, summary};
+
+pub(crate) use sections::document;

@@ -1,0 +1,320 @@
+//! What the comparison says.
+
+use crate::comparison::record::{Agreement, MethodFacts, PartCost, Refusal, Workload};
+use crate::record::{Records, Variant};
+use trisect_core::FloatFormat::{self, F32, F64};
+use trisect_core::Output;
+
+use super::summary::{FrontPoint, MethodRow, PrecisionRow, Summary, Winner, of_view};
+use super::view::{BASELINE, View, finish_label, lanes_label, need_in_prose};
+use super::{figures, havel, needs};
+use crate::lines::source;
+use trisect_report::document::{Content, Document, Finding, Section, Shown};
+use trisect_report::format::{fixed, grouped, mtests, number, ratio, scientific};
+use trisect_report::stats::{median, quartiles};
+use trisect_report::table::{Cell, Kind, Table, count};
+
+pub(crate) fn document(records: &Records) -> Document {
+    let view = &View::new(records);
+    let summary = of_view(view);
+    let winners = summary.winners.iter().map(|winner| finding(view, winner)).collect();
+    let mut sections = vec![
+        Section::findings("", winners)
+            .shown(Shown::Everywhere)
+            .missing("Nothing was timed, so nothing is the fastest."),
+    ];
+    sections.extend(front(view, &summary));
+    sections.extend(figures::all(view));
+    sections.extend([
+        preparation(view),
+        variants(view),
+        agreement(view),
+        workloads(view),
+        methods(view),
+    ]);
+    let says = "f32, f64: best million tests/s. err: relative error of t in f32 against exact arithmetic. \
+                wrong/M: false hits and misses per million pairs in f32. prep: ns per triangle in f32. \
+                B: bytes per triangle in f32.";
+    sections.push(Section::brief(brief(&summary), says));
+    sections.push(costs(view));
+    sections.extend(havel::sections(view));
+    sections.extend(needs::sections(view));
+    Document {
+        title: "Ray–triangle intersection, measured",
+        heading: "Ray–triangle intersection, measured",
+        source: source(&records.header),
+        sections,
+    }
+}
+
+fn finding(view: &View, winner: &Winner) -> Finding {
+    let Winner { variant, million_tests_per_second, .. } = winner;
+    let over = |x: Option<f64>, what: &str| x.map(|x| format!("{} {what}", ratio(x)));
+    let ratios = [
+        over(winner.over_own_scalar, "its own scalar f32"),
+        over(winner.over_scalar_moller_trumbore, "scalar Möller–Trumbore"),
+    ];
+    let (lanes, finish) = (lanes_label(variant), finish_label(variant));
+    let how = format!("{}; {lanes}, {finish}", view.title(&variant.method));
+    Finding::new(
+        format!("Fastest for {}", need_in_prose(winner.needs)),
+        format!("`{}`, {} million tests/s", variant.method, number(*million_tests_per_second)),
+        [how].into_iter().chain(ratios.into_iter().flatten()).collect::<Vec<_>>().join("; "),
+    )
+}
+
+/// The ends of the Pareto front, and all of it.
+fn front(view: &View, summary: &Summary) -> Vec<Section> {
+    let who = |p: &FrontPoint| {
+        let v = &p.variant;
+        format!("{} ({}, {})", view.title(&v.method), lanes_label(v), v.division)
+    };
+    let ns = |p: &FrontPoint| number(p.ns_per_test);
+    let (Some(fast), Some(exact)) = (summary.front.first(), summary.front.last()) else {
+        return Vec::new();
+    };
+    let count = summary.front.len();
+    let (of_fast, of_exact) = (scientific(fast.error), scientific(exact.error));
+    if count == 1 {
+        return vec![Section::prose(format!(
+            "One variant is both the fastest and the most accurate: {}, {} ns per test with a median \
+             relative error of t of {of_fast}.",
+            who(fast),
+            ns(fast),
+        ))];
+    }
+    let says = format!(
+        "For {count} variants, none of the others is both faster and more accurate. The fastest of them is \
+         {}, {} ns per test with a median relative error of t of {of_fast}; the most accurate is {}, {} ns \
+         with {of_exact}.",
+        who(fast),
+        ns(fast),
+        who(exact),
+        ns(exact),
+    );
+    let item = |p: &FrontPoint| {
+        let says = format!("{} ns per test, median error of t {}", ns(p), scientific(p.error));
+        (format!("{}:", who(p)), says)
+    };
+    let items = summary.front.iter().map(item).collect();
+    let all = Section::new("", "", Content::List(items));
+    vec![Section::prose(says), all.folded(format!("All {count} of this Pareto front"))]
+}
+
+/// Preparation time and bytes of each method and precision: a table is their best figure.
+fn preparation(view: &View) -> Section {
+    let pairs =
+        view.methods().iter().flat_map(|m| view.precisions().into_iter().map(move |p| (*m, p)));
+    let rows: Vec<(&str, FloatFormat, f64)> =
+        pairs.filter_map(|(m, p)| Some((m, p, view.preparation(m, p)?))).collect();
+    let table = Table::of(&rows)
+        .text("method", |(method, ..)| view.title(method))
+        .text("precision", |(_, precision, _)| precision.name())
+        .number("ns per triangle", number, |(.., ns)| *ns)
+        .number("bytes per triangle", count, |(m, p, _)| view.bytes(m, *p).map(|b| b as f64))
+        .done();
+    let says = "What a triangle costs before it is tested: the median time to prepare it, and the bytes it \
+                then takes.";
+    Section::table("preparation", "Preparation", says, table)
+        .missing("Left out: the record holds no preparation times.")
+}
+
+/// A variant as the table of all shows it.
+struct Shape<'a> {
+    variant: &'a Variant,
+    ns: f64,
+    /// Quartiles of the samples, each over its workload's median.
+    spread: Option<(f64, f64)>,
+    bytes: Option<usize>,
+}
+
+fn variants(view: &View) -> Section {
+    let mut rows = Vec::new();
+    for &need in view.needs() {
+        let comparable = view.comparable(|v| v.needs == need);
+        for (variant, ns) in comparable.scores() {
+            let mut relative = Vec::new();
+            let mut bytes = None;
+            for t in comparable.workloads.iter().filter_map(|w| view.throughput[variant].get(w)) {
+                bytes = Some(t.bytes_per_triangle);
+                let samples: Vec<f64> = t.samples_ns.iter().map(|&ns| ns as f64).collect();
+                if let Some(middle) = median(&samples) {
+                    relative.extend(samples.iter().map(|ns| middle / ns.max(1.0)));
+                }
+            }
+            rows.push(Shape { variant, ns, spread: quartiles(&relative), bytes });
+        }
+    }
+    let ghz = view.records.header.machine.core_ghz;
+    let error = |row: &Shape, quantity| view.error(row.variant, quantity);
+    let table = Table::of(&rows)
+        .text("method", |row| row.variant.method.as_ref())
+        .text("lanes", |row| lanes_label(row.variant))
+        .text("variant", |row| finish_label(row.variant))
+        .text("asked for", |row| row.variant.needs.name())
+        .number("M tests/s", number, |row| mtests(row.ns))
+        .note("million tests per second, geometric mean over the workloads that all ran")
+        .cells("quartiles", Kind::Number, |row| {
+            let (low, high) = row.spread?;
+            Some(Cell::Range([low, high].map(|share| mtests(row.ns) * share), number))
+        })
+        .note("first and third quartile of the samples, each over its workload's median")
+        .number("cycles", number, |row| row.ns * ghz)
+        .note("cycles per test: nanoseconds times the measured frequency")
+        .number("err t", scientific, |row| error(row, "t").map(|q| q.median))
+        .note("median relative error of t against exact arithmetic")
+        .number("p99 t", scientific, |row| error(row, "t").map(|q| q.p99))
+        .note("99th percentile of the relative error of t")
+        .number("max t", scientific, |row| error(row, "t").map(|q| q.max))
+        .note("largest relative error of t")
+        .number("err β", scientific, |row| error(row, "beta").map(|q| q.median))
+        .note("median relative error of beta")
+        .number("err γ", scientific, |row| error(row, "gamma").map(|q| q.median))
+        .note("median relative error of gamma")
+        .number("bytes", count, |row| row.bytes.map(|b| b as f64))
+        .note("bytes of prepared data per triangle")
+        .number("wrong/M", number, |row| wrong(view, row.variant))
+        .note("false hits and false misses per million pairs")
+        .filtered("f32 avx2 deferred");
+    let says = format!(
+        "{} variants; a button in the head sorts by its column, a second press reverses the order. Errors \
+         are relative, against exact arithmetic.",
+        rows.len()
+    );
+    Section::table("variants", "All variants", says, table)
+        .missing("Left out: the record holds no throughput.")
+}
+
+/// Wrong decisions of a variant; needs, arrangement and width do not change them.
+fn wrong(view: &View, variant: &Variant) -> Option<f64> {
+    view.wrong_per_million((&variant.method, variant.precision), |v| v.rounds_like(variant))
+}
+
+/// A share in per cent, to three digits.
+fn share(x: f64) -> String {
+    format!("{} %", number(x * 100.0))
+}
+
+fn agreement(view: &View) -> Section {
+    let rows: Vec<&Agreement> = view.all().collect();
+    let differs = |a: &&Agreement| {
+        let some = a.differs_from_oracle.iter().filter(|m| m.count > 0);
+        let some = some.map(|m| format!("{} {}", m.method, grouped(m.count as u64)));
+        let some = some.collect::<Vec<_>>().join(", ");
+        if some.is_empty() { "none".to_owned() } else { some }
+    };
+    let table = Table::of(&rows)
+        .text("workload", |a| &a.workload)
+        .text("precision", |a| a.precision.name())
+        .count("rays", |a| a.rays as u64)
+        .count("unanimous", |a| a.unanimous as u64)
+        .number("share", share, |a| (a.rays > 0).then(|| a.unanimous as f64 / a.rays as f64))
+        .text("differ from the oracle", differs)
+        .done();
+    let says = "Whether all methods pick the same closest triangle for each ray, and how many rays of each \
+                method end elsewhere than the oracle says.";
+    Section::table("agreement", "Agreement", says, table)
+        .missing("Left out: the record does not say which triangle each method picks.")
+}
+
+fn workloads(view: &View) -> Section {
+    let rows: Vec<&Workload> = view.workloads.values().copied().collect();
+    let table = Table::of(&rows)
+        .text("workload", |w| &w.name)
+        .count("rays", |w| w.rays as u64)
+        .count("triangles", |w| w.triangles as u64)
+        .number("hits", share, |w| w.hit_rate)
+        .number("exact", share, |w| {
+            (w.oracle_tests > 0).then(|| w.oracle_exact as f64 / w.oracle_tests as f64)
+        })
+        .prose("what it is", |w| &w.description)
+        .done();
+    let says = "exact: the share of the oracle's answers that needed exact arithmetic; the others were \
+                certain in floating point.";
+    Section::table("workloads", "Workloads", says, table)
+        .missing("Left out: the record describes no workloads.")
+}
+
+fn methods(view: &View) -> Section {
+    let item = |m: &&MethodFacts| {
+        let lacks = Output::ALL.iter().filter(|need| !m.outputs.contains(need));
+        let lacks = lacks.map(|need| need.name()).collect::<Vec<_>>().join(", ");
+        let input = m.input.map(|input| format!(", given {}", input.name().replace('-', " ")));
+        let numbers = format!("{} numbers per triangle", m.stored_numbers);
+        let mut said = vec![format!("`{}`, {numbers}{}", m.name, input.unwrap_or_default())];
+        if !lacks.is_empty() && !m.outputs.is_empty() {
+            said.push(format!("does not give {lacks}"));
+        }
+        if !m.claims.is_empty() {
+            said.push(format!("claims: {}", m.claims.join(", ")));
+        }
+        if let Some(cracks) = view.cracks_per_million(&m.name) {
+            said.push(format!("{} of a million rays aimed at edges pass through", number(cracks)));
+        }
+        let refusals = view.all::<Refusal>().filter(|r| r.method == m.name && r.precision == F32);
+        said.extend(refusals.map(|r| format!("left out of {} ({})", r.workload, r.reason)));
+        (format!("**{}** ({}),", m.title, m.year), format!("{}. {}", said.join("; "), m.source))
+    };
+    let items = view.facts.iter().map(item).collect();
+    Section::new("methods", "Methods", Content::List(items))
+        .missing("Left out: the record describes no methods.")
+}
+
+/// A row per method, for a terminal.
+fn brief(summary: &Summary) -> Table {
+    fn single(row: &MethodRow) -> Option<&PrecisionRow> {
+        row.precision(F32)
+    }
+    let speed = |row: Option<&PrecisionRow>| row.and_then(|p| p.million_tests_per_second);
+    let error = |row: &MethodRow| single(row).and_then(|p| p.error_of_t);
+    Table::of(&summary.methods)
+        .name("method", |row| &row.method)
+        .number("B", count, |row| single(row)?.bytes_per_triangle.map(|b| b as f64))
+        .number("f32", number, |row| speed(single(row)))
+        .number("f64", number, |row| speed(row.precision(F64)))
+        .number("err p50", scientific, |row| Some(error(row)?.median))
+        .number("p99", scientific, |row| Some(error(row)?.p99))
+        .number("max", scientific, |row| Some(error(row)?.max))
+        .number("wrong/M", number, |row| single(row)?.wrong_per_million)
+        .number("prep", number, |row| single(row)?.preparation_ns)
+        .done()
+}
+
+/// One table over all methods, for the documents.
+fn costs(view: &View) -> Section {
+    fn test(facts: &MethodFacts) -> Option<&PartCost> {
+        facts.cost.iter().rfind(|part| part.part.starts_with("test"))
+    }
+    let fastest = |method: &str, need: Output| {
+        let keep = |v: &Variant| v.method == method && v.precision == F32 && v.needs == need;
+        view.fastest(keep).map(|(_, ns)| ns)
+    };
+    let error = |m: &&MethodFacts| view.pooled_error((&m.name, F32), "t", |_| true);
+    let mut table = Table::of(&view.facts)
+        .name("method", |m| &m.name)
+        .number("year", |x| x.to_string(), |m| f64::from(m.year))
+        .text("source", |m| m.source.split(':').next().unwrap_or_default())
+        .number("×", count, |m| test(m).map(|c| f64::from(c.multiplies)))
+        .number("+", count, |m| test(m).map(|c| f64::from(c.adds)))
+        .number("÷", count, |m| test(m).map(|c| f64::from(c.divisions)))
+        .number("≤", count, |m| test(m).map(|c| f64::from(c.comparisons)))
+        .number("bytes", count, |m| (m.stored_numbers * size_of::<f32>()) as f64);
+    for (&need, head) in Output::ALL.iter().zip(["hit", "t", "β γ", "point", "normal"]) {
+        let base = fastest(BASELINE, need);
+        table = table.number(head, fixed, |m| Some(base? / fastest(&m.name, need)?));
+    }
+    let table = table
+        .number("err p50", scientific, |m| Some(error(m)?.median))
+        .number("err max", scientific, |m| Some(error(m)?.max))
+        .number("cracks", number, |m| view.cracks_per_million(&m.name))
+        .done();
+    let says = format!(
+        "×, +, ÷, ≤: products, sums, divisions and comparisons of a test, in the deferred form where the \
+         method has that. bytes: per triangle, in f32. hit to normal: speed in f32 relative to \
+         `{BASELINE}`'s, each by its fastest variant, when asked for whether there is a hit, t, t with \
+         barycentrics, the point, t with the normal; a dash where the method does not give it. err: median \
+         and largest relative error of t in f32. cracks: rays per million aimed at the edges of a closed \
+         sphere that pass through it, in plain arithmetic."
+    );
+    Section::table("", "", says, table).part("methods").shown(Shown::Part)
+}

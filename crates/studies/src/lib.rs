@@ -1,0 +1,31 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+pub mod comparison;
+pub mod omissions;
+pub mod pictures;
+pub mod recommend;
+pub mod stress;
+pub mod tracer;
+
+mod answers;
+pub mod file;
+pub mod input;
+mod kernels;
+mod lines;
+pub mod machine;
+mod publish;
+pub mod record;
+mod registry;
+mod study;
+mod subject;
+mod surface;
+mod timing;
+
+pub use kernels::REFERENCE;
+pub use publish::{Page, PublishError, splice};
+pub use registry::{Choice, StudyVisitor, chapter_of, chapters, load, read};
+pub use study::{About, Chapter, Progress, Run, Silent, Study, StudyError, Taken};
+pub use subject::{Inputs, Unrounded};
+pub use surface::open_edges;
+pub use timing::{WrongAnswer, nanoseconds};

@@ -1,0 +1,74 @@
+//! What is gained by leaving out what nobody asks for: in kernels, in the tracer, and in pictures.
+
+mod code;
+mod document;
+mod explain;
+mod kernels;
+mod measure;
+mod pictures;
+mod record;
+mod settings;
+mod tracer;
+
+use std::fmt::Display;
+
+use trisect_catalog::Entry;
+use trisect_report::document::Document;
+
+use crate::record::Records;
+use crate::study::{About, Run, Study, StudyError};
+
+pub use document::{OmissionKind, OmissionSummary, TimedOmission, omission_summary};
+pub use explain::{ExplainedPart, Explanation, explain};
+pub use record::{Code, Layer, Omission};
+pub use settings::Settings;
+
+/// What is studied, and how long.
+pub struct Omissions {
+    /// Seed of rays, triangles and the order of samples.
+    pub seed: u64,
+    /// The methods whose kernels are timed.
+    pub methods: Vec<&'static Entry>,
+    /// Samples of each kind.
+    pub rounds: usize,
+    /// Rays, and triangles, that kernels are timed on.
+    pub tests: usize,
+    /// Side, in pixels, of the picture whose rays meet a mesh.
+    pub pixels: usize,
+    /// Pixels across and down of the pictures of scenes.
+    pub picture: [u32; 2],
+}
+
+impl Study for Omissions {
+    const ABOUT: About = About {
+        name: "omissions",
+        page: "omissions.html",
+        record: "omissions.jsonl",
+        title: "What is left out",
+        says: "what it would take to keep what nobody asks for",
+        lines: record::LINES,
+    };
+    type Settings = Settings;
+
+    fn plan(settings: &Settings, _say: &dyn Fn(&dyn Display)) -> Result<Self, StudyError> {
+        settings.plan()
+    }
+
+    type Summary = OmissionSummary;
+
+    fn document(records: &Records) -> Document {
+        document::document(records)
+    }
+
+    fn summary(records: &Records) -> OmissionSummary {
+        omission_summary(records)
+    }
+
+    fn seed_and_rounds(&self) -> (u64, usize) {
+        (self.seed, self.rounds)
+    }
+
+    fn measure(self, run: &mut Run<'_>) -> Result<(), StudyError> {
+        measure::measure(&self, run)
+    }
+}
