@@ -6,12 +6,13 @@
 
 use std::any::Any;
 use std::cmp::Ordering;
+use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
 use trisect_core::{
-    Arrangement, Common, CommonDirection, CommonOrigin, Culling, Division, Flushing, Hit, Lanes,
-    Method, Needs, PADDING, Packets, Precision, PreparedTriangles, Ray, Scalar, Tested, Token,
-    Triangle, UnsuitableMesh, intersect_with, one_ray, one_triangle, shared_packets,
+    Arrangement, Common, CommonDirection, CommonOrigin, Culling, Division, ExactMethod, Flushing,
+    Hit, Lanes, Method, Needs, PADDING, Packets, Precision, PreparedTriangles, Ray, Refine, Scalar,
+    Tested, Token, Triangle, UnsuitableMesh, intersect_with, one_ray, one_triangle, shared_packets,
 };
 use trisect_tracer::{Builder, Bvh, ErasedBvh, Leaves, Tree};
 
@@ -337,20 +338,58 @@ pub(crate) trait Instances: Method {
     /// Which of two triangles that a ray of the scene hits at one rounded `t` is first: that of the lower
     /// number, unless the method knows better.
     fn order<E: Precision>(scene: &Scene, ray: usize, numbers: [u32; 2]) -> Ordering {
-        let by_number = numbers[0].cmp(&numbers[1]);
-        if const { !Self::INFO.claims.exact } {
-            return by_number;
-        }
-        let Prepared { triangles, rays, .. } = scene.get::<Self, E>();
-        let [first, second] = numbers.map(|number| {
-            let place = triangles.numbers(0).iter().position(|&other| other == number);
-            triangles.prepared(place.expect("it is a triangle of the scene"))
-        });
-        <Self as Method>::order(&rays[ray], first, second).then(by_number)
+        Self::refine(Order::<E> { scene, ray, numbers, precision: PhantomData })
     }
 }
 
 impl<M: Method> Instances for M {}
+
+/// See [`Instances::order`].
+struct Order<'a, E> {
+    scene: &'a Scene,
+    ray: usize,
+    numbers: [u32; 2],
+    precision: PhantomData<E>,
+}
+
+impl<M: Method, E: Precision> Refine<M> for Order<'_, E> {
+    type Output = Ordering;
+
+    fn rounded(self) -> Ordering {
+        self.numbers[0].cmp(&self.numbers[1])
+    }
+
+    fn exact(self) -> Ordering
+    where
+        M: ExactMethod,
+    {
+        let Self { scene, ray, numbers, .. } = self;
+        let Prepared { triangles, rays, .. } = scene.get::<M, E>();
+        let [first, second] = numbers.map(|number| {
+            let place = triangles.numbers(0).iter().position(|&other| other == number);
+            triangles.prepared(place.expect("it is a triangle of the scene"))
+        });
+        M::order(&rays[ray], first, second).then(numbers[0].cmp(&numbers[1]))
+    }
+}
+
+/// The packets' finder, which is compiled for exact methods alone.
+struct FindPackets<L, D>(PhantomData<(L, D)>);
+
+impl<M: Method, L: Lanes<Elem: Precision>, D: Division> Refine<M> for FindPackets<L, D> {
+    type Output = Option<Run>;
+
+    fn rounded(self) -> Option<Run> {
+        None
+    }
+
+    fn exact(self) -> Option<Run>
+    where
+        M: ExactMethod,
+    {
+        Some(M::find_packets::<L, D>)
+    }
+}
 
 /// Hands out the lanes that hit, given the numbers of their triangles; whether the ray is done with.
 /// Rare, so kept out of the loop.
@@ -410,8 +449,7 @@ type Run = fn(&Scene, Culling, &mut Find<'_>);
 
 impl Finder {
     pub(crate) fn new<M: Method, L: Lanes<Elem: Precision>, D: Division>() -> Self {
-        let find_packets: Option<Run> =
-            if const { M::INFO.claims.exact } { Some(M::find_packets::<L, D>) } else { None };
+        let find_packets = M::refine(FindPackets::<L, D>(PhantomData));
         let order = <M as Instances>::order::<L::Elem>;
         let variant = Variant::of::<M, L, D>(Arrangement::OneRay, M::INFO.fullest());
         Self { variant, find: M::find::<L, D>, find_packets, order }

@@ -34,4 +34,14 @@ impl<X: Copy> Corners<X> {
     {
         (self.b - self.a, self.c - self.a)
     }
+
+    /// The normal `(B − A) × (C − A)`, with its length.
+    #[inline(always)]
+    pub fn normal(&self) -> Vec3<X>
+    where
+        X: crate::Number,
+    {
+        let (e1, e2) = self.edges();
+        e1.cross(e2)
+    }
 }

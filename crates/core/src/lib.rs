@@ -42,12 +42,15 @@ pub use kernel::{
     shared_packets,
 };
 pub use lanes::{Arithmetic, Float, Fused, Lanes, Plain, Scalar, Vector};
-pub use method::{Homogeneous, Method, MethodVisitor, Quotients, RayParts, Screened};
+pub use method::{
+    ExactMethod, Homogeneous, Method, MethodVisitor, Quotients, RayParts, Refine, Screened,
+    UnsuitableMesh,
+};
 pub use named::Named;
 pub use needs::{Barycentrics, Distance, Needs, Normal, Occlusion, Point};
 pub use number::Number;
 pub use planes::{Functions, MappedRay, PlaneFirst, Slopes, ThreePlanes};
-pub use prepared::{BLOCK, Common, PADDING, Packets, PreparedTriangles, UnsuitableMesh};
+pub use prepared::{BLOCK, Common, PADDING, Packets, PreparedTriangles};
 pub use record::{Of, Record, Value, field, rows};
 pub use single::{PreparedPair, intersect, intersect_with};
 pub use tier::{InstructionSet, LanesVisitor, Precision, Token};

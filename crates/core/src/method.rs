@@ -1,12 +1,14 @@
 //! What a ray–triangle method is.
 
 use core::cmp::Ordering;
+use core::error::Error;
+use core::fmt;
+use std::sync::Arc;
 
 use crate::division::{Culling, Division, Interval};
 use crate::geometry::{Hit, Ray, Triangle, Vec3};
 use crate::info::MethodInfo;
 use crate::lanes::{Lanes, Scalar};
-use crate::prepared::UnsuitableMesh;
 use crate::record::{Of, Record, Value};
 use crate::weights::{Alpha, Implied};
 
@@ -50,19 +52,6 @@ impl<L, A> Quotients<L, A> {
     pub fn hit(self) -> Hit<L> {
         Hit { t: self.t, beta: self.beta, gamma: self.gamma }
     }
-}
-
-/// What a method that claims to be exact says of a vector of pairs before it looks closely.
-#[derive(Clone, Copy, Debug)]
-pub struct Screened<L: Lanes> {
-    /// Lanes that hit for certain, and whose face is seen.
-    pub certain: L::Mask,
-    /// Lanes that are neither sure to hit nor sure to miss, in bits, whichever face is seen.
-    pub open: u64,
-    /// Between which numbers `t` lies, of lanes that are certain: no smaller than this,
-    pub low: L,
-    /// and no larger than this.
-    pub high: L,
 }
 
 /// What is computed once per ray, in parts, so that rays of a packet may share what depends on a
@@ -131,18 +120,12 @@ pub trait Method: Send + Sync + Sized + 'static {
     /// What is computed once per ray for triangles of kind `group`.
     fn prepare_ray<L: Lanes>(ray: &Ray<L>, group: usize) -> Self::PreparedRay<L>;
 
-    /// The formula. A method that has the early form alone gives it for decisions without values, which
-    /// are made by numerators, unless it [always divides](MethodInfo::always_divides).
-    ///
-    /// # Panics
-    /// Where the method always divides.
-    #[inline(always)]
+    /// The formula. A method that has the early form alone gives it for decisions without values, which are made
+    /// by numerators; one that [always divides](MethodInfo::always_divides) gives it over a denominator of ±1.
     fn intersect<L: Lanes>(
-        _ray: &Self::PreparedRay<L>,
-        _triangle: &Of<Self::Prepared, L>,
-    ) -> Homogeneous<L, Self::Alpha<L>> {
-        unreachable!("a form of the division is used where it is listed alone")
-    }
+        ray: &Self::PreparedRay<L>,
+        triangle: &Of<Self::Prepared, L>,
+    ) -> Homogeneous<L, Self::Alpha<L>>;
 
     /// The formula with the division first: `reciprocal(det)` is the only division allowed.
     /// Override where that saves products.
@@ -168,13 +151,11 @@ pub trait Method: Send + Sync + Sized + 'static {
         det
     }
 
-    /// The normal `(B − A) × (C − A)`, with its length, of a triangle of kind `group`.
-    ///
-    /// # Panics
-    /// Unless [`MethodInfo::outputs`] lists it.
+    /// The normal `(B − A) × (C − A)`, with its length, of a triangle of kind `group`; `None` unless
+    /// [`MethodInfo::outputs`] lists it.
     #[inline(always)]
-    fn normal<L: Lanes>(_triangle: &Of<Self::Prepared, L>, _group: usize) -> Vec3<L> {
-        unreachable!("a normal is asked for where it is listed alone")
+    fn normal<L: Lanes>(_triangle: &Of<Self::Prepared, L>, _group: usize) -> Option<Vec3<L>> {
+        None
     }
 
     /// Decides a vector of pairs as `D` says. Override where a paper's order of tests and division
@@ -190,61 +171,114 @@ pub trait Method: Send + Sync + Sized + 'static {
         D::test::<Self, L>(ray, triangle, interval, culling, found);
     }
 
-    /// What is certain of a vector of pairs, and between which numbers `t` lies: for who decides about the
-    /// open ones, by [`test`](Method::test), and computes [`values`](Method::values) once it knows that it
-    /// needs them. For methods that claim to be exact.
-    ///
-    /// # Panics
-    /// For all others.
+    /// Calls `with` back as what the method is: one that rounds, unless it is an [`ExactMethod`], which says so
+    /// here. What is generic over methods learns by it which of the two it has.
     #[inline(always)]
-    fn screen<L: Lanes>(
-        _ray: &Self::PreparedRay<L>,
-        _triangle: &Of<Self::Prepared, L>,
-        _interval: Interval<L>,
-        _culling: Culling,
-        _found: impl FnOnce(Screened<L>),
-    ) {
-        unreachable!("pairs are screened where decisions are exact")
-    }
-
-    /// The corners of a triangle, as it was given. For methods that claim to be exact.
-    ///
-    /// # Panics
-    /// For all others.
-    #[inline(always)]
-    fn corners<X: Value>(_triangle: &Of<Self::Prepared, X>) -> Triangle<X> {
-        unreachable!("corners are asked for where values are computed apart")
-    }
-
-    /// The values of hits at the places of some bits, where decisions gave none; other places get anything.
-    /// Triangles and rays as they were given. For methods that claim to be exact.
-    ///
-    /// # Panics
-    /// For all others.
-    #[inline(always)]
-    fn values<X: Scalar, const N: usize>(
-        _rays: &Ray<&[X; N]>,
-        _triangles: &Triangle<[X; N]>,
-        _hits: u64,
-    ) -> Hit<[X; N]> {
-        unreachable!("values are asked for apart where they are computed apart")
-    }
-
-    /// Which of two triangles that a ray hits at the same rounded `t` comes first along it; both as they
-    /// were prepared, the ray as it was given. For methods that claim to be exact.
-    #[inline(always)]
-    fn order<X: Scalar>(
-        _ray: &Ray<X>,
-        _first: &Of<Self::Prepared, X>,
-        _second: &Of<Self::Prepared, X>,
-    ) -> Ordering {
-        Ordering::Equal
+    fn refine<R: Refine<Self>>(with: R) -> R::Output {
+        with.rounded()
     }
 
     /// The place among [`STAGES`](Method::STAGES) of the one that decides a pair in plain arithmetic.
     fn stage<X: Scalar>(_ray: &Ray<X>, _triangle: &Triangle<X>) -> usize {
         0
     }
+}
+
+/// A method cannot take a mesh: what stands in the way, and what to do about it, in the method's own error.
+#[derive(Clone, Debug)]
+pub struct UnsuitableMesh(Arc<dyn Error + Send + Sync>);
+
+impl UnsuitableMesh {
+    /// A mesh that a method cannot take for that reason.
+    pub fn new(reason: impl Error + Send + Sync + 'static) -> Self {
+        Self(Arc::new(reason))
+    }
+}
+
+impl fmt::Display for UnsuitableMesh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// Equal where they say the same.
+impl PartialEq for UnsuitableMesh {
+    fn eq(&self, other: &Self) -> bool {
+        self.to_string() == other.to_string()
+    }
+}
+
+impl Eq for UnsuitableMesh {}
+
+impl Error for UnsuitableMesh {
+    // The reason is the message: its own cause is the next in the chain.
+    fn source(&self) -> Option<&(dyn Error + 'static)> {
+        self.0.source()
+    }
+}
+
+/// What is known of a vector of pairs before the doubtful ones are decided.
+#[derive(Clone, Copy, Debug)]
+pub struct Screened<L: Lanes> {
+    /// Lanes that certainly hit a face that is seen.
+    pub certain: L::Mask,
+    /// Lanes, in bits, that neither certainly hit nor certainly miss; of either face.
+    pub open: u64,
+    /// A lower bound of `t` in lanes that are certain.
+    pub low: L,
+    /// An upper bound of `t` in lanes that are certain.
+    pub high: L,
+}
+
+/// A method whose decisions, and whose order of hits along a ray, are those of exact arithmetic.
+///
+/// A tree rarely needs more than bounds of `t` to tell which of two hits is nearer. So such a method also screens
+/// pairs without deciding all of them, orders two hits exactly, and computes the values of a hit by
+/// themselves, once it is known which hit is the nearest.
+pub trait ExactMethod: Method {
+    /// Calls `found` with what is certain of a vector of pairs, unless all lanes certainly miss. The open ones
+    /// are left to [`Method::test`].
+    fn screen<L: Lanes>(
+        ray: &Self::PreparedRay<L>,
+        triangle: &Of<Self::Prepared, L>,
+        interval: Interval<L>,
+        culling: Culling,
+        found: impl FnOnce(Screened<L>),
+    );
+
+    /// The corners of a triangle, as it was given.
+    fn corners<X: Value>(triangle: &Of<Self::Prepared, X>) -> Triangle<X>;
+
+    /// The values of the hits of ray `i` with triangle `i`, for each bit `i` of `hits`; other places hold
+    /// arbitrary numbers. Rays and triangles as they were given.
+    fn values<X: Scalar, const N: usize>(
+        rays: &Ray<&[X; N]>,
+        triangles: &Triangle<[X; N]>,
+        hits: u64,
+    ) -> Hit<[X; N]>;
+
+    /// Which of two triangles that a ray hits comes first along it; triangles as they were prepared, the ray as
+    /// it was given.
+    fn order<X: Scalar>(
+        ray: &Ray<X>,
+        first: &Of<Self::Prepared, X>,
+        second: &Of<Self::Prepared, X>,
+    ) -> Ordering;
+}
+
+/// Code in two versions: for a method that rounds, and for one that is exact. [`Method::refine`] calls the one
+/// that fits; the other is not compiled.
+pub trait Refine<M: Method>: Sized {
+    /// What both return.
+    type Output;
+
+    /// For a method that rounds.
+    fn rounded(self) -> Self::Output;
+
+    /// For a method that is exact.
+    fn exact(self) -> Self::Output
+    where
+        M: ExactMethod;
 }
 
 /// Something to do for each of a list of methods.

@@ -63,6 +63,6 @@ needs!(
 needs!(
     /// `t`, and the normal of the triangle.
     Normal, Normal, D, |_, triangle, group, hit| {
-        Some(hit.t + M::normal::<L>(triangle, group).sum())
+        Some(hit.t + M::normal::<L>(triangle, group)?.sum())
     }
 );

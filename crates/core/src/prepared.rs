@@ -1,14 +1,11 @@
 //! Triangles in blocks and rays in packets: structures of arrays of [`BLOCK`] that serve as
 //! 1×16, 2×8, 4×4 or 16×1 lanes.
 
-use core::error::Error;
-use core::fmt;
 use core::ops::Range;
-use std::sync::Arc;
 
 use crate::geometry::{Ray, Triangle, Vec3};
 use crate::lanes::{Lanes, Scalar};
-use crate::method::Method;
+use crate::method::{Method, UnsuitableMesh};
 use crate::record::{Of, Record, Value, rows};
 
 /// Triangles in a block and rays in a packet.
@@ -28,39 +25,6 @@ pub struct PreparedTriangles<M: Method, E: Scalar> {
     singles: Vec<Of<M::Prepared, E>>,
     numbers: Vec<u32>,
     groups: Vec<Range<usize>>,
-}
-
-/// A method cannot take a mesh: what stands in the way, and what to do about it, in the method's own error.
-#[derive(Clone, Debug)]
-pub struct UnsuitableMesh(Arc<dyn Error + Send + Sync>);
-
-impl UnsuitableMesh {
-    /// A mesh that a method cannot take for that reason.
-    pub fn new(reason: impl Error + Send + Sync + 'static) -> Self {
-        Self(Arc::new(reason))
-    }
-}
-
-impl fmt::Display for UnsuitableMesh {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
-/// Equal where they say the same.
-impl PartialEq for UnsuitableMesh {
-    fn eq(&self, other: &Self) -> bool {
-        self.to_string() == other.to_string()
-    }
-}
-
-impl Eq for UnsuitableMesh {}
-
-impl Error for UnsuitableMesh {
-    // The reason is the message: its own cause is the next in the chain.
-    fn source(&self) -> Option<&(dyn Error + 'static)> {
-        self.0.source()
-    }
 }
 
 impl<M: Method, E: Scalar> PreparedTriangles<M, E> {

@@ -19,8 +19,8 @@ pub struct Subject {
     f64: Vec<(Form, Test<f64>)>,
     /// What the formula answers over exact numbers, in each form that the method has.
     pub(crate) exact: fn(&Ray<Exact>, &Triangle<Exact>) -> Vec<ExactAnswer>,
-    /// The normal that the method gives; meaningless for one that gives none.
-    pub(crate) normal: fn(&Ray<Exact>, &Triangle<Exact>) -> Vec3<Exact>,
+    /// The normal, where the method gives one.
+    pub(crate) normal: fn(&Ray<Exact>, &Triangle<Exact>) -> Option<Vec3<Exact>>,
     /// The kernels in f32 and f64.
     pub(crate) lists: [Lists; 2],
 }
@@ -130,8 +130,9 @@ fn exact<M: Method>(ray: &Ray<Exact>, triangle: &Triangle<Exact>) -> Vec<ExactAn
     answers
 }
 
-fn normal<M: Method>(ray: &Ray<Exact>, triangle: &Triangle<Exact>) -> Vec3<Exact> {
+fn normal<M: Method>(ray: &Ray<Exact>, triangle: &Triangle<Exact>) -> Option<Vec3<Exact>> {
     let axis = if M::TURNS { ray.d.largest_axis() } else { 2 };
     let pair = PreparedPair::<M, Exact>::new(ray, triangle);
-    M::normal::<Exact>(&pair.triangle, pair.group).with_axis_restored(axis)
+    let normal = M::normal::<Exact>(&pair.triangle, pair.group);
+    normal.map(|normal| normal.with_axis_restored(axis))
 }

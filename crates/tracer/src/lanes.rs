@@ -2,46 +2,28 @@
 
 use trisect_core::{Fused, InstructionSet, Lanes, Plain, Token, Vector};
 
-use crate::called::On;
-
 /// Something to do on lanes of choice.
 pub(crate) trait Job {
     type Output;
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> Self::Output;
 }
 
-/// A choice of lanes, as a type.
-pub(crate) trait OnLanes {
-    /// Its name.
-    const ON: On;
-
-    /// Runs a job on them.
-    fn run<J: Job>(job: J) -> J::Output;
+/// The lanes that give the same bits on every processor.
+#[derive(Clone, Copy)]
+pub(crate) enum PlainLanes {
+    /// Four, where the processor has them.
+    Vector,
+    /// One.
+    Scalar,
 }
 
-/// The lanes that are fast, where the processor [has](has_fast_lanes) them.
-pub(crate) struct OnFast;
-
-impl OnLanes for OnFast {
-    const ON: On = On::Fast;
-
+impl PlainLanes {
+    /// Runs a job in plain arithmetic: on one instruction set that nearly all processors have, as each takes time
+    /// to compile for every method.
     #[inline(always)]
-    fn run<J: Job>(job: J) -> J::Output {
-        on_fast_lanes(job).unwrap_or_else(|| unreachable!("they are asked for where they are"))
-    }
-}
-
-/// Plain arithmetic, which gives the same bits everywhere: on one instruction set that nearly all processors
-/// have, as each takes its time to compile for every method.
-pub(crate) struct OnPlain;
-
-impl OnLanes for OnPlain {
-    const ON: On = On::Plain;
-
-    #[inline(always)]
-    fn run<J: Job>(job: J) -> J::Output {
+    pub(crate) fn run<J: Job>(self, job: J) -> J::Output {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        if let Some(token) = fearless_simd::x86::Sse4_2::detect() {
+        if let (Self::Vector, Some(token)) = (self, fearless_simd::x86::Sse4_2::detect()) {
             use fearless_simd::x86::Sse4_2;
             return job.run::<Vector<Sse4_2, fearless_simd::f32x4<Sse4_2>, Plain>>(token);
         }
@@ -49,21 +31,9 @@ impl OnLanes for OnPlain {
     }
 }
 
-/// One number at a time, likewise.
-pub(crate) struct OnOne;
-
-impl OnLanes for OnOne {
-    const ON: On = On::One;
-
-    #[inline(always)]
-    fn run<J: Job>(job: J) -> J::Output {
-        job.run::<f32>(())
-    }
-}
-
-/// Runs a job on the lanes that are fast; none where the processor has none.
+/// Runs a job on the fastest lanes of the processor, which fuse multiply-add; `None` where it has none.
 #[inline(always)]
-fn on_fast_lanes<J: Job>(job: J) -> Option<J::Output> {
+pub(crate) fn on_fast_lanes<J: Job>(job: J) -> Option<J::Output> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     {
         use fearless_simd::f32x8;
@@ -93,12 +63,13 @@ impl Job for Which {
     }
 }
 
-/// Whether the processor has lanes that are fast.
+/// Whether the processor has [fast lanes](on_fast_lanes).
 pub(crate) fn has_fast_lanes() -> bool {
     on_fast_lanes(Which).is_some()
 }
 
-/// The instruction set and the number of lanes that triangles are tested on here, unless plainly.
+/// The instruction set and the number of lanes that triangles are tested on here, except in
+/// [`Tracing::Plain`](crate::Tracing::Plain).
 pub fn fast_lanes() -> (InstructionSet, usize) {
-    on_fast_lanes(Which).unwrap_or_else(|| OnPlain::run(Which))
+    on_fast_lanes(Which).unwrap_or_else(|| PlainLanes::Vector.run(Which))
 }

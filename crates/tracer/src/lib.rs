@@ -1,35 +1,27 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-mod abreast;
-mod bounds;
-mod build;
 mod bvh;
-mod called;
 mod dispatch;
-mod envelope;
-mod erased;
-mod exactly;
+mod every;
 mod hit;
 mod lanes;
 mod leaf;
-mod leaves;
-mod order;
-mod packet;
 mod parallel;
-mod rows;
-mod scalar;
-mod single;
-mod slabs;
-mod waiting;
-mod walk;
+mod query;
+mod rays;
+mod traced;
+mod traverse;
+mod tree;
+mod vectors;
 
-pub use build::{Builder, Leaves, RefitError, UnknownBuilder};
-pub use bvh::{Bvh, Statistics};
-pub use dispatch::{Tracing, Tree};
-pub use erased::ErasedBvh;
+pub use bvh::builders::RefitError;
+pub use bvh::builders::settings::{Builder, Leaves, UnknownBuilder};
+pub use bvh::wide::Statistics;
+pub use dispatch::Tracing;
+pub use every::EveryTriangle;
 pub use hit::TriangleHit;
 pub use lanes::fast_lanes;
-pub use scalar::{EveryTriangle, ScalarBvh};
-pub use slabs::meets_box;
-pub use walk::Counted;
+pub use rays::slabs::meets_box;
+pub use traverse::inspect::Counted;
+pub use tree::{Bvh, ErasedBvh, ScalarBvh, Tree};

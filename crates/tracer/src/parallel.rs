@@ -1,12 +1,12 @@
-//! Work shared between the threads of the pool that it is called in. What is to be done stands behind
-//! pointers, so that sharing it out is compiled once, not for every method.
+//! Work that is shared between the threads of the pool that it is called in. The parts are behind pointers, so
+//! that the sharing is compiled once, not for every method.
 
 use rayon::prelude::*;
 
 /// A part of the work.
 pub(crate) type Task<'a> = Box<dyn FnOnce() + Send + 'a>;
 
-/// Does all parts of the work, in no order; one alone on the calling thread.
+/// Does all parts of the work, in any order; a single part on the calling thread.
 pub(crate) fn all<'a>(tasks: impl Iterator<Item = Task<'a>>) {
     let mut tasks: Vec<Task<'a>> = tasks.collect();
     if tasks.len() == 1 {
@@ -16,10 +16,23 @@ pub(crate) fn all<'a>(tasks: impl Iterator<Item = Task<'a>>) {
     }
 }
 
-/// What is made of so many at least is shared out.
+/// From so many references of a tree on, work is shared between threads: fewer are done before another thread
+/// would have begun.
+pub(crate) const PARALLEL: usize = 4096;
+
+/// The results of both sides of a split of so many references; of two threads where they are many.
+pub(crate) fn both<X: Send>(
+    count: usize,
+    left: impl FnOnce() -> X + Send,
+    right: impl FnOnce() -> X + Send,
+) -> (X, X) {
+    if count >= PARALLEL { rayon::join(left, right) } else { (left(), right()) }
+}
+
+/// So many items at least are one part of the work.
 const PART: usize = 1024;
 
-/// What is made of each, in order.
+/// The result for each input, in order.
 pub(crate) fn each<T: Sync, X: Copy + Send>(
     inputs: &[T],
     nothing: X,

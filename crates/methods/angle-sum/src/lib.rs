@@ -2,8 +2,8 @@
 #![forbid(unsafe_code)]
 
 use trisect_core::{
-    Corners, Forms, Given, Input, Lanes, Method, MethodInfo, Of, Output, Quotients, Ray, Scalar,
-    Triangle, Vec3,
+    Corners, Forms, Given, Homogeneous, Input, Lanes, Method, MethodInfo, Of, Output, Quotients,
+    Ray, Reciprocal, Scalar, Triangle, TrueDivision, Vec3,
 };
 
 /// How far the sum of the angles may seem to be off, in units of roundoff.
@@ -41,6 +41,19 @@ impl Method for AngleSum {
         *ray
     }
 
+    #[inline(always)]
+    fn intersect<L: Lanes>(ray: &Ray<L>, corners: &Corners<L>) -> Homogeneous<L, Given<L>> {
+        let divided = Self::intersect_early(ray, corners, TrueDivision::reciprocal::<L>);
+        let Quotients { det, t, alpha: Given(alpha), beta, gamma } = divided;
+        Homogeneous {
+            det: det.constant(L::Elem::from_f64(1.0)).xor_sign(det),
+            t: t.xor_sign(det),
+            alpha: Given(alpha.xor_sign(det)),
+            beta: beta.xor_sign(det),
+            gamma: gamma.xor_sign(det),
+        }
+    }
+
     /// The weights are numbers that are at least zero where the angles sum to 360°.
     #[inline(always)]
     fn intersect_early<L: Lanes>(
@@ -48,7 +61,7 @@ impl Method for AngleSum {
         corners: &Corners<L>,
         reciprocal: impl Fn(L) -> L,
     ) -> Quotients<L, Given<L>> {
-        let n = Self::normal(corners, 0);
+        let n = corners.normal();
         let squared = n.dot(n);
         let det = n.dot(ray.d);
         let t = n.dot(corners.a - ray.o) * reciprocal(det);
@@ -84,9 +97,8 @@ impl Method for AngleSum {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>(corners: &Corners<L>, _group: usize) -> Vec3<L> {
-        let (e1, e2) = corners.edges();
-        e1.cross(e2)
+    fn normal<L: Lanes>(corners: &Corners<L>, _group: usize) -> Option<Vec3<L>> {
+        Some(corners.normal())
     }
 }
 

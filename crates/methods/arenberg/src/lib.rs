@@ -67,8 +67,8 @@ impl Method for Arenberg {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>((slopes, _): &Of<Self::Prepared, L>, _group: usize) -> Vec3<L> {
-        slopes.plane
+    fn normal<L: Lanes>((slopes, _): &Of<Self::Prepared, L>, _group: usize) -> Option<Vec3<L>> {
+        Some(slopes.plane)
     }
 }
 

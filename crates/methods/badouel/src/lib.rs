@@ -145,8 +145,8 @@ impl<F: Frame> Method for BadouelCramer<F> {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>((tri, _): &Of<Self::Prepared, L>, w: usize) -> Vec3<L> {
-        tri.n.with_axis_restored(w)
+    fn normal<L: Lanes>((tri, _): &Of<Self::Prepared, L>, w: usize) -> Option<Vec3<L>> {
+        Some(tri.n.with_axis_restored(w))
     }
 }
 
@@ -212,8 +212,8 @@ impl Method for Badouel1990 {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>((tri, _): &Of<Self::Prepared, L>, w: usize) -> Vec3<L> {
-        tri.n.with_axis_restored(w)
+    fn normal<L: Lanes>((tri, _): &Of<Self::Prepared, L>, w: usize) -> Option<Vec3<L>> {
+        Some(tri.n.with_axis_restored(w))
     }
 }
 

@@ -92,8 +92,8 @@ impl<F: Frame> Method for Chirkov<F> {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>((tri, _): &Of<Self::Prepared, L>, w: usize) -> Vec3<L> {
-        tri.n.with_axis_restored(w)
+    fn normal<L: Lanes>((tri, _): &Of<Self::Prepared, L>, w: usize) -> Option<Vec3<L>> {
+        Some(tri.n.with_axis_restored(w))
     }
 }
 

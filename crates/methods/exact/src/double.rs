@@ -5,7 +5,7 @@ use core::cmp::Ordering;
 use trisect_core::{Ray, Triangle, Vec3};
 
 use crate::filter::{self, BoundedRay, SizedTriangle, Volumes};
-use crate::ladder::Outcome;
+use crate::outcome::Outcome;
 
 /// Coordinates, differences and ends of the interval up to this keep all products in range.
 const LARGEST: f64 = f64::from_bits((1023 + 130) << 52);

@@ -5,6 +5,7 @@ use core::cmp::Ordering;
 use trisect_core::{Hit, Ray, Scalar, Triangle, Vec3};
 
 use crate::double::{self, Estimate};
+use crate::outcome::Outcome;
 use crate::whole::{self, Format, Volumes};
 
 /// Limbs for all that is computed from numbers of f32: 1673 bits for the order of two `t`.
@@ -17,17 +18,6 @@ const FEW_BITS: i32 = 60;
 
 /// Limbs for all that is computed from numbers of f64: 12 600 bits for the order of two `t`.
 const DOUBLE: usize = 198;
-
-/// What a ray does to a triangle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Outcome {
-    /// It misses.
-    Miss,
-    /// It hits the front: `det > 0`.
-    Front,
-    /// It hits the back: `det < 0`.
-    Back,
-}
 
 /// The precision of the numbers of a pair, which are carried in f64.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,8 +5,8 @@ use core::cmp::Ordering;
 use core::marker::PhantomData;
 
 use trisect_core::{
-    BLOCK, Claims, Culling, Division, Forms, Given, Hit, Homogeneous, Input, Interval, Lanes,
-    Method, MethodInfo, Of, Output, Ray, Scalar, Screened, Triangle, Value, Vec3,
+    BLOCK, Claims, Culling, Division, ExactMethod, Forms, Given, Hit, Homogeneous, Input, Interval,
+    Lanes, Method, MethodInfo, Of, Output, Ray, Refine, Scalar, Screened, Triangle, Value, Vec3,
 };
 
 mod closest;
@@ -15,6 +15,7 @@ mod filter;
 mod integer;
 mod ladder;
 mod normal;
+mod outcome;
 mod solid;
 mod stage;
 mod whole;
@@ -22,8 +23,9 @@ mod whole;
 pub use closest::{closest, order};
 pub use filter::{BoundedRay, SizedTriangle};
 use filter::{Verdict, Volumes};
-use ladder::{Outcome, Precision};
+use ladder::Precision;
 pub use normal::{Computed, Normal, Normals, Stored};
+use outcome::Outcome;
 pub use solid::{Place, point_in_solid};
 pub use stage::Stage;
 
@@ -91,10 +93,73 @@ impl<W: Width, From: Normals> Method for Exact<W, From> {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>(triangle: &Of<Self::Prepared, L>, _group: usize) -> Vec3<L> {
-        -From::normal(triangle)
+    fn normal<L: Lanes>(triangle: &Of<Self::Prepared, L>, _group: usize) -> Option<Vec3<L>> {
+        Some(-From::normal(triangle))
     }
 
+    #[inline(always)]
+    fn refine<R: Refine<Self>>(with: R) -> R::Output {
+        with.exact()
+    }
+
+    fn stage<X: Scalar>(ray: &Ray<X>, triangle: &Triangle<X>) -> usize {
+        Stage::of(ray, triangle) as usize
+    }
+
+    /// The filter, and for the few lanes that it leaves open the ladder.
+    #[inline(always)]
+    fn test<L: Lanes, D: Division>(
+        ray: &BoundedRay<L>,
+        triangle: &Of<Self::Prepared, L>,
+        interval: Interval<L>,
+        culling: Culling,
+        found: impl FnOnce(L::Mask, Hit<L>),
+    ) {
+        let n = From::normal(triangle);
+        let triangle = From::sized(triangle);
+        let volumes = Volumes::new(ray, triangle, n);
+        let bound = filter::bound(ray, triangle, &volumes);
+        let candidates = filter::candidates(&volumes, bound);
+        if !L::any(candidates) {
+            return;
+        }
+        let Verdict { hit: mut mask, open } =
+            filter::verdict(ray, triangle, &volumes, (bound, candidates), &interval, W::FILTER);
+        let zero = bound.constant(L::Elem::from_f64(0.0));
+        // The sign of `det`, which all volumes of a hit have.
+        let mut side = volumes.u;
+        if open != 0 {
+            // Lane by lane, out of line, and through copies in memory: a reference to the lanes
+            // themselves would keep them out of registers in the loop around.
+            let pairs = Unpacked::new(ray, triangle, [interval.tmin, interval.tmax]);
+            let mut sides = [L::Elem::from_f64(0.0); BLOCK];
+            settle(&pairs, open, double::UNIT * W::DOUBLE, &mut sides);
+            let settled = L::load(ray.scale.token(), &sides);
+            side = L::select(mask, side, settled);
+            mask = mask | settled.lt(zero) | settled.gt(zero);
+        }
+        let mask = culling.seen::<L>(
+            mask,
+            #[inline(always)]
+            || side,
+        );
+        if !L::any(mask) {
+            return;
+        }
+        if D::VALUES {
+            // Without the interval, which is settled.
+            let pairs = Unpacked::new(ray, triangle, [zero; 2]);
+            let hit = values(&pairs, L::bits(mask), double::UNIT * W::DOUBLE);
+            let token = ray.scale.token();
+            let (beta, gamma) = (L::load(token, &hit.beta), L::load(token, &hit.gamma));
+            found(mask, Hit { t: L::load(token, &hit.t), beta, gamma });
+        } else {
+            found(mask, Hit { t: zero, beta: zero, gamma: zero });
+        }
+    }
+}
+
+impl<W: Width, From: Normals> ExactMethod for Exact<W, From> {
     #[inline(always)]
     fn screen<L: Lanes>(
         ray: &BoundedRay<L>,
@@ -154,62 +219,6 @@ impl<W: Width, From: Normals> Method for Exact<W, From> {
     ) -> Ordering {
         let triangles = [&Self::corners(first), &Self::corners(second)];
         closest::order_within(ray, triangles, double::UNIT * W::DOUBLE)
-    }
-
-    fn stage<X: Scalar>(ray: &Ray<X>, triangle: &Triangle<X>) -> usize {
-        Stage::of(ray, triangle) as usize
-    }
-
-    /// The filter, and for the few lanes that it leaves open the ladder.
-    #[inline(always)]
-    fn test<L: Lanes, D: Division>(
-        ray: &BoundedRay<L>,
-        triangle: &Of<Self::Prepared, L>,
-        interval: Interval<L>,
-        culling: Culling,
-        found: impl FnOnce(L::Mask, Hit<L>),
-    ) {
-        let n = From::normal(triangle);
-        let triangle = From::sized(triangle);
-        let volumes = Volumes::new(ray, triangle, n);
-        let bound = filter::bound(ray, triangle, &volumes);
-        let candidates = filter::candidates(&volumes, bound);
-        if !L::any(candidates) {
-            return;
-        }
-        let Verdict { hit: mut mask, open } =
-            filter::verdict(ray, triangle, &volumes, (bound, candidates), &interval, W::FILTER);
-        let zero = bound.constant(L::Elem::from_f64(0.0));
-        // The sign of `det`, which all volumes of a hit have.
-        let mut side = volumes.u;
-        if open != 0 {
-            // Lane by lane, out of line, and through copies in memory: a reference to the lanes
-            // themselves would keep them out of registers in the loop around.
-            let pairs = Unpacked::new(ray, triangle, [interval.tmin, interval.tmax]);
-            let mut sides = [L::Elem::from_f64(0.0); BLOCK];
-            settle(&pairs, open, double::UNIT * W::DOUBLE, &mut sides);
-            let settled = L::load(ray.scale.token(), &sides);
-            side = L::select(mask, side, settled);
-            mask = mask | settled.lt(zero) | settled.gt(zero);
-        }
-        let mask = culling.seen::<L>(
-            mask,
-            #[inline(always)]
-            || side,
-        );
-        if !L::any(mask) {
-            return;
-        }
-        if D::VALUES {
-            // Without the interval, which is settled.
-            let pairs = Unpacked::new(ray, triangle, [zero; 2]);
-            let hit = values(&pairs, L::bits(mask), double::UNIT * W::DOUBLE);
-            let token = ray.scale.token();
-            let (beta, gamma) = (L::load(token, &hit.beta), L::load(token, &hit.gamma));
-            found(mask, Hit { t: L::load(token, &hit.t), beta, gamma });
-        } else {
-            found(mask, Hit { t: zero, beta: zero, gamma: zero });
-        }
     }
 }
 

@@ -5,7 +5,8 @@ use core::cmp::Ordering;
 use trisect_core::{Ray, Scalar, Triangle, Vec3};
 
 use crate::double::UNIT;
-use crate::ladder::{self, Outcome, Precision};
+use crate::ladder::{self, Precision};
+use crate::outcome::Outcome;
 use crate::widened;
 
 /// Where a point is.

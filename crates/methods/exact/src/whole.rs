@@ -5,7 +5,7 @@ use core::cmp::Ordering;
 use trisect_core::{Ray, Triangle, Vec3, decode};
 
 use crate::integer::Integer;
-use crate::ladder::Outcome;
+use crate::outcome::Outcome;
 
 /// The largest power of two that divides all of some numbers: of 1 where all are zero.
 fn unit(vectors: &[Vec3<f64>]) -> i32 {

@@ -3,8 +3,8 @@
 use core::cmp::Ordering;
 
 use trisect_core::{
-    Culling, Deferred, Flushing, Hit, Interval, Method, Ray, Scalar as _, Triangle, TrueDivision,
-    Vec3, intersect, intersect_with,
+    Culling, Deferred, ExactMethod, Flushing, Hit, Interval, Method, Ray, Scalar as _, Triangle,
+    TrueDivision, Vec3, intersect, intersect_with,
 };
 use trisect_exact::{Exact, Proved, Width};
 use trisect_oracle::Oracle;
@@ -150,7 +150,7 @@ impl Width for Hundredth {
 fn a_hundredth_of_the_bound_orders_what_is_equal() {
     fn order<W: Width>(ray: &Ray<f32>, triangles: &[Triangle<f32>; 2]) -> Ordering
     where
-        Exact<W>: Method,
+        Exact<W>: ExactMethod,
     {
         let [first, second] = triangles.map(|triangle| Exact::<W>::prepare(&triangle, 0));
         Exact::<W>::order(ray, &first, &second)

@@ -2,8 +2,8 @@
 //! fused, and in both arrangements; and what a screen says of pairs.
 
 use trisect_core::{
-    BLOCK, Culling, Deferred, Float, Hit, Interval, Lanes, LanesVisitor, Method, PADDING, Packets,
-    Precision, PreparedTriangles, Ray, Record as _, Scalar, Screened, Token, Triangle,
+    BLOCK, Culling, Deferred, ExactMethod, Float, Hit, Interval, Lanes, LanesVisitor, PADDING,
+    Packets, Precision, PreparedTriangles, Ray, Record as _, Scalar, Screened, Token, Triangle,
     TrueDivision, Vec3, one_ray, one_triangle, rows,
 };
 use trisect_exact::{Exact, ExactInTrees, Width};
@@ -59,7 +59,7 @@ struct Wrong<'a, M, E: Precision> {
 
 type Form = Deferred<TrueDivision, true>;
 
-impl<M: Method, E: Precision> Wrong<'_, M, E> {
+impl<M: ExactMethod, E: Precision> Wrong<'_, M, E> {
     fn judge(&mut self, found: &Answers, kernel: &str) {
         self.tests += found.len() as u64;
         for (place, (found, truth)) in found.iter().zip(&self.scene.truth).enumerate() {
@@ -92,7 +92,7 @@ fn note<L: Lanes>(mask: L::Mask, hit: Hit<L>, mut found: impl FnMut(usize, [u64;
     }
 }
 
-impl<M: Method, E: Precision> LanesVisitor for Wrong<'_, M, E> {
+impl<M: ExactMethod, E: Precision> LanesVisitor for Wrong<'_, M, E> {
     fn visit<L: Lanes<Elem: Precision>>(&mut self) {
         let Some(token) = L::Token::detect() else { return };
         let same = |x: E| L::Elem::from_f64(x.to_f64());
@@ -176,7 +176,7 @@ type Said = Option<Option<(f64, f64)>>;
 
 /// Screens a ray and triangles, one for each lane; where there are fewer the last comes again.
 #[inline(always)]
-fn screen<M: Method, L: Lanes>(
+fn screen<M: ExactMethod, L: Lanes>(
     token: L::Token,
     ray: &Ray<L::Elem>,
     triangles: &[Triangle<L::Elem>],
@@ -217,7 +217,7 @@ fn holds(said: Said, truth: Option<f64>) -> bool {
     }
 }
 
-fn run<M: Method, E: Precision>(scene: &Scene<E>) -> Wrong<'_, M, E> {
+fn run<M: ExactMethod, E: Precision>(scene: &Scene<E>) -> Wrong<'_, M, E> {
     let method = core::marker::PhantomData;
     let mut wrong = Wrong { scene, tests: 0, misjudged: 0, misscreened: 0, first: None, method };
     E::visit_all(&mut wrong);
@@ -225,7 +225,7 @@ fn run<M: Method, E: Precision>(scene: &Scene<E>) -> Wrong<'_, M, E> {
 }
 
 fn is_right<E: Precision>(scene: &Scene<E>, what: &str) -> u64 {
-    fn by<M: Method, E: Precision>(scene: &Scene<E>, what: &str) -> u64 {
+    fn by<M: ExactMethod, E: Precision>(scene: &Scene<E>, what: &str) -> u64 {
         let Wrong { tests, misjudged, misscreened, first, .. } = run::<M, E>(scene);
         assert_eq!((misjudged, misscreened), (0, 0), "{what}: {first:?}");
         tests
@@ -374,7 +374,7 @@ impl Width for NarrowDouble {
 /// Answers and screens that are wrong.
 fn wrong_answers<W: Width, E: Precision>() -> [u64; 2]
 where
-    Exact<W>: Method,
+    Exact<W>: ExactMethod,
 {
     let families = [Stress::NearEdge, Stress::NearVertex, Stress::IntervalEnd, Stress::AxisAligned];
     let mut wrong = [0, 0];

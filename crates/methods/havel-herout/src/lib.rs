@@ -48,8 +48,8 @@ impl<F: Frame> Method for HavelHerout<F> {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>((slopes, _): &Of<Self::Prepared, L>, _group: usize) -> Vec3<L> {
-        slopes.plane
+    fn normal<L: Lanes>((slopes, _): &Of<Self::Prepared, L>, _group: usize) -> Option<Vec3<L>> {
+        Some(slopes.plane)
     }
 }
 

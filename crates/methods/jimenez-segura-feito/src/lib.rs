@@ -50,9 +50,8 @@ impl Method for JimenezSeguraFeito {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>(corners: &Corners<L>, _group: usize) -> Vec3<L> {
-        let (e1, e2) = corners.edges();
-        e1.cross(e2)
+    fn normal<L: Lanes>(corners: &Corners<L>, _group: usize) -> Option<Vec3<L>> {
+        Some(corners.normal())
     }
 }
 

@@ -174,8 +174,8 @@ impl<S: Storage> Method for KenslerShirley<S> {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>(stored: &Of<Self::Prepared, L>, _group: usize) -> Vec3<L> {
-        -S::vectors(stored).1
+    fn normal<L: Lanes>(stored: &Of<Self::Prepared, L>, _group: usize) -> Option<Vec3<L>> {
+        Some(-S::vectors(stored).1)
     }
 }
 

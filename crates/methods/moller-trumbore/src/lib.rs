@@ -86,8 +86,8 @@ impl Method for MollerTrumbore {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>(triangle: &EdgeTriangle<L>, _group: usize) -> Vec3<L> {
-        triangle.e1.cross(triangle.e2)
+    fn normal<L: Lanes>(triangle: &EdgeTriangle<L>, _group: usize) -> Option<Vec3<L>> {
+        Some(triangle.e1.cross(triangle.e2))
     }
 }
 
@@ -211,7 +211,7 @@ impl<const ORDER: u8> Method for PublishedOrder<ORDER> {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>(corners: &Corners<L>, _group: usize) -> Vec3<L> {
+    fn normal<L: Lanes>(corners: &Corners<L>, _group: usize) -> Option<Vec3<L>> {
         MollerTrumbore::normal(&edges(corners), 0)
     }
 

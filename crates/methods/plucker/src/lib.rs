@@ -118,8 +118,8 @@ impl Method for Plucker {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>(tri: &PluckerTriangle<L>, _group: usize) -> Vec3<L> {
-        tri.n
+    fn normal<L: Lanes>(tri: &PluckerTriangle<L>, _group: usize) -> Option<Vec3<L>> {
+        Some(tri.n)
     }
 }
 

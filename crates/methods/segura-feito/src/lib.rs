@@ -44,7 +44,7 @@ impl Method for SeguraFeito {
         let gamma = b.dot(m);
         Homogeneous {
             det: alpha + (beta + gamma),
-            t: a.dot(Self::normal(corners, 0)),
+            t: a.dot(corners.normal()),
             alpha: Given(alpha),
             beta,
             gamma,
@@ -58,9 +58,8 @@ impl Method for SeguraFeito {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>(corners: &Corners<L>, _group: usize) -> Vec3<L> {
-        let (e1, e2) = corners.edges();
-        e1.cross(e2)
+    fn normal<L: Lanes>(corners: &Corners<L>, _group: usize) -> Option<Vec3<L>> {
+        Some(corners.normal())
     }
 }
 

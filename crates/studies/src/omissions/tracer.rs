@@ -55,7 +55,7 @@ impl Method for Waived {
     }
 
     #[inline(always)]
-    fn normal<L: Lanes>(triangle: &Of<Self::Prepared, L>, group: usize) -> Vec3<L> {
+    fn normal<L: Lanes>(triangle: &Of<Self::Prepared, L>, group: usize) -> Option<Vec3<L>> {
         <Watertight as Method>::normal(triangle, group)
     }
 }

@@ -1,0 +1,122 @@
+//! The same tree over a mesh that has moved.
+
+use trisect_core::{Triangle, UnsuitableMesh};
+
+use super::corners::Corners;
+use super::members::{Kinds, Members, PLACES, blocks as pack};
+use crate::bvh::bounds::Bounds;
+use crate::bvh::node::{Child, Node, child, leaf};
+use crate::bvh::wide::WideTree;
+use crate::parallel::each;
+use crate::vectors::WIDTH;
+
+/// A tree cannot be fitted to these triangles and has to be built anew.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RefitError {
+    /// There are more or fewer than before.
+    #[error("the tree was built over {built} triangles and there are {given} now: build it anew")]
+    Count {
+        /// How many the tree was built over.
+        built: usize,
+        /// How many there are now.
+        given: usize,
+    },
+    /// A triangle is in no leaf.
+    #[error(
+        "triangle {triangle} could not be hit when the tree was built, being degenerate or not \
+         finite, and can be hit now: build the tree anew"
+    )]
+    Appeared {
+        /// Its id.
+        triangle: u32,
+    },
+    /// The method cannot take the mesh any more.
+    #[error(transparent)]
+    Unsuitable(#[from] UnsuitableMesh),
+}
+
+/// Fits a tree to triangles of those kinds that have moved since it was built, and says what is in each block now.
+/// `blocks` are the ids of the triangles of each block so far. The tree is as before where it fails.
+///
+/// # Errors
+/// When there are not as many triangles as before, or one can be hit that could not be when the tree was
+/// built.
+pub(crate) fn refit(
+    tree: &mut WideTree,
+    blocks: &[[u32; WIDTH]],
+    triangles: &[Triangle<f32>],
+    kinds: impl FnOnce() -> Result<Kinds, UnsuitableMesh>,
+) -> Result<Vec<Members>, RefitError> {
+    let (built, given) = (tree.origin.triangles, triangles.len());
+    if built != given {
+        return Err(RefitError::Count { built, given });
+    }
+    let mut left_out = tree.origin.left_out.iter();
+    if let Some(&triangle) = left_out.find(|&&id| triangles[id as usize].can_be_hit()) {
+        return Err(RefitError::Appeared { triangle });
+    }
+    let members = members(&mut tree.nodes, blocks, &kinds()?);
+    tree.bounds = fit_boxes(&mut tree.nodes, triangles, &members);
+    tree.widen_boxes();
+    Ok(members)
+}
+
+/// What is in the blocks. Triangles whose kind has changed move to another block of their leaf, and the number of
+/// its blocks may change.
+fn members(nodes: &mut [Node], blocks: &[[u32; WIDTH]], kinds: &Kinds) -> Vec<Members> {
+    if let Kinds::All(kind) = *kinds {
+        return blocks.iter().map(|&triangles| Members { triangles, kind }).collect();
+    }
+    let mut members = Vec::with_capacity(blocks.len());
+    for node in nodes {
+        for reference in &mut node.children {
+            let Child::Leaf(first, count) = child(*reference) else { continue };
+            let mut of_leaf = [(0, 0); PLACES];
+            let of_leaf = &mut of_leaf[..count * WIDTH];
+            let triangles = blocks[first..first + count].as_flattened();
+            for (to, &triangle) in of_leaf.iter_mut().zip(triangles) {
+                *to = (kinds.of(triangle), triangle);
+            }
+            let start = members.len();
+            pack(of_leaf, &mut members);
+            *reference = leaf(start..members.len());
+        }
+    }
+    members
+}
+
+/// Computes all boxes from the triangles; the box around them.
+pub(super) fn fit_boxes(
+    nodes: &mut [Node],
+    triangles: &[Triangle<f32>],
+    members: &[Members],
+) -> Bounds {
+    let boxes = each(members, Corners::EMPTY, |members: &Members| {
+        let mut corners = Corners::EMPTY;
+        for &id in &members.triangles {
+            let triangle = &triangles[id as usize];
+            if triangle.can_be_hit() {
+                corners.add(&Corners::of_triangle(triangle));
+            }
+        }
+        corners
+    });
+    // What is below a node has a higher index.
+    let mut of_nodes = vec![Corners::EMPTY; nodes.len()];
+    for at in (0..nodes.len()).rev() {
+        for lane in 0..WIDTH {
+            let reference = nodes[at].children[lane];
+            let corners = match child(reference) {
+                // The root is below nothing: its index stands for no child.
+                Child::Node(0) => continue,
+                Child::Node(index) => of_nodes[index],
+                Child::Leaf(first, count) => boxes[first..first + count]
+                    .iter()
+                    .fold(Corners::EMPTY, |all, corners| all.with(corners)),
+            };
+            of_nodes[at].add(&corners);
+            nodes[at].set(lane, &corners.bounds(), reference);
+        }
+    }
+    of_nodes[0].bounds()
+}

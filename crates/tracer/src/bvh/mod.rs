@@ -1,0 +1,6 @@
+//! The tree: nodes of eight children over blocks of eight triangles, whatever the method.
+
+pub(crate) mod bounds;
+pub(crate) mod builders;
+pub(crate) mod node;
+pub(crate) mod wide;

@@ -1,0 +1,157 @@
+//! No tree at all: what the tracer is measured against.
+
+use std::cmp::Ordering;
+
+use trisect_core::{
+    Culling, Deferred, Division, Early, ExactMethod, Hit, Method, Of, PreparedTriangles, Ray,
+    Refine, Tested, Triangle, TrueDivision, UnsuitableMesh, one_ray,
+};
+
+use crate::bvh::builders::settings::Builder;
+use crate::bvh::wide::Statistics;
+use crate::dispatch::{Tracing, assert_room};
+use crate::hit::TriangleHit;
+use crate::traverse::inspect::Counted;
+use crate::tree::Tree;
+
+/// No tree at all: every ray is tested against every triangle, one at a time, by the calling thread.
+pub struct EveryTriangle<M: Method> {
+    triangles: PreparedTriangles<M, f32>,
+    count: usize,
+}
+
+impl<M: Method> EveryTriangle<M> {
+    /// Prepares the triangles, whose ids are their places in the slice.
+    ///
+    /// # Errors
+    /// When the method cannot take the mesh.
+    ///
+    /// # Panics
+    /// When there are more than `u32::MAX − 1` triangles.
+    pub fn new(triangles: &[Triangle<f32>]) -> Result<Self, UnsuitableMesh> {
+        Ok(Self { triangles: PreparedTriangles::new(triangles)?, count: triangles.len() })
+    }
+
+    fn closest_of(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
+        let best = M::refine(Closest { triangles: &self.triangles, culling, ray });
+        best.is_hit().then_some(best)
+    }
+}
+
+/// The closest hit of a ray.
+struct Closest<'a, M: Method> {
+    triangles: &'a PreparedTriangles<M, f32>,
+    culling: Culling,
+    ray: &'a Ray<f32>,
+}
+
+impl<M: Method> Closest<'_, M> {
+    /// Tests every triangle.
+    #[inline(always)]
+    fn each(&self, take: impl FnMut(&Of<M::Prepared, f32>, TriangleHit)) {
+        // In the form that the tree uses.
+        if const { M::INFO.forms.deferred() } {
+            self.each_by::<Deferred<TrueDivision, true>>(take);
+        } else {
+            self.each_by::<Early<TrueDivision, true>>(take);
+        }
+    }
+
+    #[inline(always)]
+    fn each_by<D: Division>(&self, mut take: impl FnMut(&Of<M::Prepared, f32>, TriangleHit)) {
+        let Self { triangles, culling, ray } = *self;
+        one_ray::<M, f32, D>(
+            (),
+            ray,
+            triangles,
+            culling,
+            #[inline(always)]
+            |tested: Tested<'_, M, f32>, met: bool, hit: Hit<f32>| {
+                if met {
+                    let triangle = triangles.number(tested.triangle_place);
+                    take(tested.triangle, TriangleHit { triangle, hit });
+                }
+            },
+        );
+    }
+}
+
+impl<M: Method> Refine<M> for Closest<'_, M> {
+    type Output = TriangleHit;
+
+    fn rounded(self) -> TriangleHit {
+        let mut best = TriangleHit::NONE;
+        self.each(
+            #[inline(always)]
+            |_, other| best.improve(other),
+        );
+        best
+    }
+
+    fn exact(self) -> TriangleHit
+    where
+        M: ExactMethod,
+    {
+        let mut best = TriangleHit::NONE;
+        // The best as it was prepared.
+        let mut first = None;
+        self.each(
+            #[inline(always)]
+            |triangle, other| {
+                let order = || match &first {
+                    Some(first) => M::order(self.ray, triangle, first),
+                    None => Ordering::Equal,
+                };
+                if best.improve_by(other, order) {
+                    first = Some(*triangle);
+                }
+            },
+        );
+        best
+    }
+}
+
+impl<M: Method> Tree for EveryTriangle<M> {
+    fn closest(
+        &self,
+        _: Tracing,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        found: &mut [Option<TriangleHit>],
+    ) {
+        assert_room(rays, found);
+        for (ray, found) in rays.iter().zip(found) {
+            *found = self.closest_of(culling, ray);
+        }
+    }
+
+    fn any(&self, _: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
+        assert_room(rays, found);
+        for (ray, found) in rays.iter().zip(found) {
+            *found = self.closest_of(culling, ray).is_some();
+        }
+    }
+
+    fn count(&self, ray: &Ray<f32>) -> Counted {
+        Counted { found: self.closest_of(Culling::None, ray), nodes: 0, triangles: self.count }
+    }
+
+    fn candidates(&self, _: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32) {
+        for triangle in (0..).take(self.count) {
+            visit(triangle);
+        }
+    }
+
+    /// Of a tree without nodes.
+    fn statistics(&self) -> Statistics {
+        Statistics {
+            builder: Builder::Linear,
+            nodes: 0,
+            blocks: 0,
+            references: self.count,
+            depth: 0,
+            bytes: PreparedTriangles::<M, f32>::bytes_per_triangle() * self.count,
+            cost: self.count as f64,
+        }
+    }
+}

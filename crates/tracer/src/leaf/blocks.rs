@@ -1,0 +1,102 @@
+//! The triangles of a tree, prepared for a method.
+
+use prefetch_index::prefetch_index;
+use trisect_core::{Method, Of, Record as _, Triangle, rows};
+
+use crate::bvh::builders::members::Members;
+use crate::parallel::each;
+use crate::vectors::WIDTH;
+
+/// Eight triangles of one kind, prepared, number by number.
+#[repr(align(64))]
+pub(crate) struct Block<M: Method> {
+    pub(crate) prepared: Of<M::Prepared, [f32; WIDTH]>,
+    /// Their ids. The last one is repeated to fill the block.
+    pub(crate) triangles: [u32; WIDTH],
+}
+
+impl<M: Method> Clone for Block<M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M: Method> Copy for Block<M> {}
+
+/// All blocks of a tree.
+pub(crate) struct Blocks<M: Method> {
+    pub(crate) blocks: Vec<Block<M>>,
+    /// The kind of each block's triangles; empty for a method that has one kind.
+    kinds: Vec<u8>,
+}
+
+/// The slot of a triangle: its place among all blocks.
+#[allow(clippy::cast_possible_truncation, reason = "a tree has fewer blocks than 2²⁸")]
+#[inline(always)]
+pub(crate) fn slot(block: usize, lane: usize) -> u32 {
+    (block * WIDTH + lane) as u32
+}
+
+impl<M: Method> Blocks<M> {
+    /// Prepares the triangles of each block.
+    pub(crate) fn new(triangles: &[Triangle<f32>], members: &[Members]) -> Self {
+        let block = |members: &Members| Block {
+            prepared: rows::<M::Prepared, f32, WIDTH>(|lane| {
+                let id = members.triangles[lane];
+                // What fills a block must not be hit: an exact method settles each hit.
+                let is_filler = lane > 0 && id == members.triangles[lane - 1];
+                let triangle = triangles.get(id as usize).filter(|_| !is_filler);
+                let triangle = triangle.map_or(Triangle::nothing(), Triangle::or_nothing);
+                M::prepare(&triangle, usize::from(members.kind))
+            }),
+            triangles: members.triangles,
+        };
+        let blocks = each(members, block(&Members::NOTHING), block);
+        let kinds = if M::GROUPS > 1 {
+            members.iter().map(|members| members.kind).collect()
+        } else {
+            vec![]
+        };
+        Self { blocks, kinds }
+    }
+
+    /// The kind of a block's triangles.
+    #[inline(always)]
+    pub(crate) fn kind(&self, block: usize) -> usize {
+        if const { M::GROUPS > 1 } { usize::from(self.kinds[block]) } else { 0 }
+    }
+
+    /// The triangle in a slot, as it was prepared.
+    #[inline(always)]
+    pub(crate) fn prepared(&self, slot: u32) -> Of<M::Prepared, f32> {
+        let lane = slot as usize % WIDTH;
+        M::Prepared::map(
+            &self.blocks[slot as usize / WIDTH].prepared,
+            #[inline(always)]
+            |row: &[f32; WIDTH]| row[lane],
+        )
+    }
+
+    /// The id of the triangle in a slot.
+    #[inline(always)]
+    pub(crate) fn triangle(&self, slot: u32) -> u32 {
+        self.blocks[slot as usize / WIDTH].triangles[slot as usize % WIDTH]
+    }
+
+    /// Prefetches a block.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, block: usize) {
+        let Some(block) = self.blocks.get(block) else { return };
+        M::Prepared::map(
+            &block.prepared,
+            #[inline(always)]
+            |row: &[f32; WIDTH]| prefetch_index(row, 0),
+        );
+        prefetch_index(block.triangles.as_slice(), 0);
+    }
+
+    /// Bytes of all of it.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&self.blocks[..]) + size_of_val(&self.kinds[..])
+    }
+}

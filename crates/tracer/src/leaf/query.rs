@@ -1,0 +1,136 @@
+//! What a leaf does for a query.
+
+use std::ops::Range;
+
+use trisect_core::{Culling, Interval, Lanes, Method, Of};
+
+use super::blocks::{Block, Blocks};
+use crate::hit::TriangleHit;
+use crate::query::{Boxes, Faces, Query};
+use crate::rays::batch::{RAYS, RayBatch};
+use crate::rays::slabs::{ROUNDINGS, UNDERFLOW};
+
+/// A query, as the leaves of a method answer it.
+pub(crate) trait LeafQuery<M: Method>: Query {
+    /// What is known of the hits of one ray on its way.
+    type Best: Copy;
+    /// Room for what is computed when rays have left the tree.
+    type Room;
+    /// What is known before any test.
+    const NOTHING: Self::Best;
+    /// The room before anything is in it.
+    const ROOM: Self::Room;
+
+    /// The faces that are not seen.
+    fn culling(self) -> Culling;
+
+    /// Whether anything was hit.
+    fn is_hit(best: &Self::Best) -> bool;
+
+    /// Where a ray's interval ends after its best hit; not later than `tmax`.
+    fn end(best: &Self::Best, tmax: f32) -> f32;
+
+    /// Tests a ray against as many triangles of a block as there are lanes, from `lane` on, and takes what is
+    /// better than the best. The lanes that are left to be [settled](LeafQuery::settle), in bits.
+    fn test<L: Lanes<Elem = f32>>(
+        self,
+        ray: &M::PreparedRay<L>,
+        triangles: &Of<M::Prepared, L>,
+        interval: Interval<L>,
+        block: InBlock<'_, M>,
+        best: &mut Self::Best,
+    ) -> u64;
+
+    /// Takes what is better than the best of what a test has left. A method that rounds leaves nothing.
+    #[inline(always)]
+    fn settle(
+        self,
+        _blocks: &Blocks<M>,
+        _rays: &RayBatch,
+        _index: usize,
+        _left: Left,
+        _best: &mut Self::Best,
+    ) {
+    }
+
+    /// Tests rays of a packet, in bits, against the triangles of a leaf, as many rays at a time as there are lanes,
+    /// with both faces seen. Whether any of them has hit anything so far, and the rays that are left to be tested
+    /// one by one.
+    #[inline(always)]
+    fn test_packet<L: Lanes<Elem = f32>>(
+        _token: L::Token,
+        _blocks: &Blocks<M>,
+        _leaf: &Range<usize>,
+        _rays: &mut RayBatch,
+        _best: &mut [Self::Best; RAYS],
+        which: u64,
+    ) -> (bool, u64) {
+        (false, which)
+    }
+
+    /// What rays have found that have left the tree.
+    fn finish<'a>(
+        blocks: &Blocks<M>,
+        rays: &RayBatch,
+        hits: &'a mut Hits<Self::Best, Self::Room>,
+    ) -> &'a [Self::Found; RAYS];
+}
+
+/// Which triangles of which block.
+pub(crate) struct InBlock<'a, M: Method> {
+    pub(crate) block: &'a Block<M>,
+    /// The index of the block.
+    pub(crate) at: usize,
+    /// The first lane.
+    pub(crate) lane: usize,
+}
+
+/// What a test of a leaf has left to be settled: the lanes of the first of some blocks, in bits, and all lanes of
+/// the others. Nothing where there are no bits.
+pub(crate) struct Left {
+    pub(crate) blocks: Range<usize>,
+    pub(crate) lanes: u64,
+}
+
+/// What is known of the hits of a batch of rays.
+pub(crate) struct Hits<B, R> {
+    pub(crate) best: [B; RAYS],
+    pub(crate) room: R,
+}
+
+impl<B: Copy, R> Hits<B, R> {
+    /// Nothing so far.
+    #[inline(always)]
+    pub(crate) const fn new<M: Method, Q: LeafQuery<M, Best = B, Room = R>>() -> Self {
+        Self { best: [Q::NOTHING; RAYS], room: Q::ROOM }
+    }
+
+    /// For other rays: nothing so far.
+    #[inline(always)]
+    pub(crate) fn clear<M: Method, Q: LeafQuery<M, Best = B>>(&mut self) {
+        self.best = [Q::NOTHING; RAYS];
+    }
+}
+
+/// Where an interval ends after a hit at `t`; not later than `tmax`.
+#[inline(always)]
+pub(crate) fn end_after<B: Boxes>(t: f32, tmax: f32) -> f32 {
+    if B::ROBUST {
+        // What is nearer may have the same rounded `t`, and the quotient may round to a tie that the
+        // numerators do not show: a triangle of a lower id must not be lost to that.
+        Lanes::min(t + (t.abs() * ROUNDINGS + UNDERFLOW), tmax)
+    } else {
+        t
+    }
+}
+
+/// Which leaf queries a method has: those that round, or those that are exact.
+pub(crate) trait Queries<M: Method>: Send + Sync + 'static {
+    /// Whether a loop over single rays reads the numbers of a ray [side by side](RayBatch::line).
+    const LINES: bool;
+    /// The nearest hit.
+    type Closest<B: Boxes, F: Faces>: LeafQuery<M, Found = TriangleHit, Output = Option<TriangleHit>>;
+
+    /// The nearest hit of a face that is seen.
+    fn closest<B: Boxes, F: Faces>(faces: F) -> Self::Closest<B, F>;
+}

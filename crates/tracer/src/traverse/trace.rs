@@ -1,0 +1,40 @@
+//! One batch of rays, one query, and the tree that they go through.
+
+use trisect_core::{Lanes, Ray, Token as _};
+
+use super::packet::in_packets;
+use super::single::singly;
+use super::target::Target;
+use crate::lanes::Job;
+use crate::query::Query;
+use crate::rays::reorder::Order;
+
+/// A batch of rays to be traced on lanes of choice.
+pub(crate) struct Trace<'a, A: Target<'a, Q>, Q: Query> {
+    pub(crate) target: A,
+    pub(crate) seed: A::Seed,
+    pub(crate) query: Q,
+    pub(crate) rays: &'a [Ray<f32>],
+    pub(crate) order: &'a Order,
+    pub(crate) found: &'a mut [Q::Output],
+}
+
+impl<'a, A: Target<'a, Q>, Q: Query> Job for Trace<'a, A, Q> {
+    type Output = ();
+
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
+        let Self { target, seed, query, rays, order, found } = self;
+        let indices = match order {
+            Order::Singly => {
+                return token.run(
+                    #[inline(always)]
+                    || singly::<A, L, Q>(target, seed, token, query, rays, found),
+                );
+            }
+            Order::Packets => None,
+            Order::Reordered(indices) => Some(&indices[..]),
+        };
+        let leaves = &mut target.packets::<L>(token, query, seed);
+        in_packets::<_, L, Q>(target.tree(), leaves, token, rays, indices, found);
+    }
+}

@@ -1,0 +1,262 @@
+//! Trees over meshes: one type for each way of compiling a method into them.
+
+use std::marker::PhantomData;
+
+use trisect_core::{Culling, Method, Ray, Triangle, UnsuitableMesh};
+
+use crate::bvh::builders::members::Kinds;
+use crate::bvh::builders::settings::{Builder, Leaves};
+use crate::bvh::builders::{self, RefitError};
+use crate::bvh::wide::{Statistics, WideTree};
+use crate::dispatch::{self, Traced, Tracing};
+use crate::hit::TriangleHit;
+use crate::lanes::PlainLanes;
+use crate::leaf::blocks::Blocks;
+use crate::query::HasClosest;
+use crate::traced::{behind_calls, in_loop};
+use crate::traverse::inspect::{self, Counted};
+use crate::vectors::WIDTH;
+
+/// A tree over a mesh, whatever its method.
+pub trait Tree: Send + Sync {
+    /// The closest hit of each ray: smallest `t`, then lowest id. On the threads of the pool that it is called
+    /// in.
+    ///
+    /// # Panics
+    /// When there are fewer places in `found` than rays.
+    fn closest(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        found: &mut [Option<TriangleHit>],
+    );
+
+    /// Whether each ray hits anything. On the threads of the pool that it is called in.
+    ///
+    /// # Panics
+    /// When there are fewer places in `found` than rays.
+    fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]);
+
+    /// A ray's closest hit, and how many tests it takes to find it, one box and one triangle at a time.
+    /// The hit is that of [`Tracing::Plain`].
+    fn count(&self, ray: &Ray<f32>) -> Counted;
+
+    /// Visits the triangles that a ray may hit, near ones first and some of them several times: `visit` gets the
+    /// id of one, and says where the ray's interval ends from then on. None that the ray truly hits before
+    /// that end is left out.
+    fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32);
+
+    /// Facts about the tree.
+    fn statistics(&self) -> Statistics;
+}
+
+/// A mesh in a tree whose loops are compiled for a method: the fastest to trace, and the slowest to compile.
+/// [`ErasedBvh`] has the method behind calls.
+pub struct Bvh<M> {
+    traced: Box<dyn Traced>,
+    method: PhantomData<fn() -> M>,
+}
+
+/// A mesh in a tree whose leaves are behind calls. The loops through its nodes are compiled once for all methods, and
+/// of a method the tests in a leaf alone. The answers are those of [`Bvh`], which is faster by what the calls
+/// cost.
+pub struct ErasedBvh {
+    traced: Box<dyn Traced>,
+}
+
+/// A tree whose boxes and triangles are tested one at a time, by the calling thread, in plain arithmetic, however it
+/// is asked to trace: what the tracer's techniques are measured against. Its answers are those of
+/// [`Tracing::Plain`].
+pub struct ScalarBvh<M> {
+    traced: Box<dyn Traced>,
+    method: PhantomData<fn() -> M>,
+}
+
+impl<M: Method> Bvh<M> {
+    /// Prepares `triangles`, whose ids are their places in the slice, and puts them in a tree. Triangles that are
+    /// not finite or have no area are left out: nothing hits them.
+    ///
+    /// Shares the work between the threads of the pool that it is called in; the tree depends on the
+    /// triangles and the builder alone, not on the number of threads.
+    ///
+    /// # Errors
+    /// When the method cannot take the mesh.
+    ///
+    /// # Panics
+    /// When there are more than `u32::MAX − 1` triangles, or more than 2²⁸ blocks.
+    pub fn build(triangles: &[Triangle<f32>], builder: Builder) -> Result<Self, UnsuitableMesh> {
+        Self::build_with(triangles, builder, Leaves::default())
+    }
+
+    /// The same with leaves of a size of choice.
+    ///
+    /// # Errors
+    /// As [`Bvh::build`].
+    ///
+    /// # Panics
+    /// As [`Bvh::build`].
+    pub fn build_with(
+        triangles: &[Triangle<f32>],
+        builder: Builder,
+        leaves: Leaves,
+    ) -> Result<Self, UnsuitableMesh> {
+        let (tree, blocks) = parts::<M>(triangles, builder, leaves)?;
+        Ok(Self { traced: in_loop(tree, blocks), method: PhantomData })
+    }
+
+    /// Fits the tree to triangles that have moved since it was built: prepares them anew and computes
+    /// the boxes, in the same tree. It answers as a new one would; how fast depends on how far they
+    /// moved relative to each other. The box of a triangle that was divided between leaves is whole
+    /// again in each, so build trees to be refitted without spatial splits.
+    ///
+    /// Triangles that nothing can hit any more are kept, and may come back later.
+    ///
+    /// # Errors
+    /// When there are not as many triangles as before, when one can be hit that could not be when the
+    /// tree was built, or when the method cannot take the mesh. The tree is as before then.
+    pub fn refit(&mut self, triangles: &[Triangle<f32>]) -> Result<(), RefitError> {
+        refit(&mut *self.traced, triangles)
+    }
+}
+
+impl ErasedBvh {
+    /// As [`Bvh::build`].
+    ///
+    /// # Errors
+    /// As [`Bvh::build`].
+    ///
+    /// # Panics
+    /// As [`Bvh::build`].
+    pub fn build<M: Method>(
+        triangles: &[Triangle<f32>],
+        builder: Builder,
+    ) -> Result<Self, UnsuitableMesh> {
+        Self::build_with::<M>(triangles, builder, Leaves::default())
+    }
+
+    /// As [`Bvh::build_with`].
+    ///
+    /// # Errors
+    /// As [`Bvh::build`].
+    ///
+    /// # Panics
+    /// As [`Bvh::build`].
+    pub fn build_with<M: Method>(
+        triangles: &[Triangle<f32>],
+        builder: Builder,
+        leaves: Leaves,
+    ) -> Result<Self, UnsuitableMesh> {
+        let (tree, blocks) = parts::<M>(triangles, builder, leaves)?;
+        Ok(Self { traced: behind_calls(tree, blocks) })
+    }
+
+    /// As [`Bvh::refit`].
+    ///
+    /// # Errors
+    /// As [`Bvh::refit`].
+    pub fn refit(&mut self, triangles: &[Triangle<f32>]) -> Result<(), RefitError> {
+        refit(&mut *self.traced, triangles)
+    }
+}
+
+impl<M: Method> ScalarBvh<M> {
+    /// As [`Bvh::build`].
+    ///
+    /// # Errors
+    /// As [`Bvh::build`].
+    ///
+    /// # Panics
+    /// As [`Bvh::build`].
+    pub fn build(triangles: &[Triangle<f32>], builder: Builder) -> Result<Self, UnsuitableMesh> {
+        let ErasedBvh { traced } = ErasedBvh::build::<M>(triangles, builder)?;
+        Ok(Self { traced, method: PhantomData })
+    }
+}
+
+/// The nodes of a tree, and what is in its leaves.
+fn parts<M: Method>(
+    triangles: &[Triangle<f32>],
+    builder: Builder,
+    leaves: Leaves,
+) -> Result<(WideTree, Blocks<M>), UnsuitableMesh> {
+    let kinds = Kinds::new::<M>(triangles)?;
+    let is_robust = M::INFO.claims.watertight;
+    let (tree, members) = builders::build(triangles, builder, leaves, &kinds, is_robust);
+    Ok((tree, Blocks::new(triangles, &members)))
+}
+
+/// As [`Bvh::refit`].
+fn refit(traced: &mut dyn Traced, triangles: &[Triangle<f32>]) -> Result<(), RefitError> {
+    let (tree, leaves) = traced.parts();
+    let blocks: Vec<[u32; WIDTH]> =
+        (0..leaves.count()).map(|block| *leaves.triangles(block)).collect();
+    let members = builders::refit(tree, &blocks, triangles, || leaves.kinds(triangles))?;
+    leaves.prepare(triangles, &members);
+    Ok(())
+}
+
+/// What all trees do alike.
+macro_rules! inspections {
+    () => {
+        fn count(&self, ray: &Ray<f32>) -> Counted {
+            inspect::count(self.traced.tree(), self.traced.leaves(), ray)
+        }
+
+        fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32) {
+            inspect::candidates(self.traced.tree(), self.traced.leaves(), ray, visit);
+        }
+
+        fn statistics(&self) -> Statistics {
+            dispatch::statistics(&*self.traced)
+        }
+    };
+}
+
+/// What trees do alike whose `traced` says how it is traced.
+macro_rules! queries {
+    () => {
+        fn closest(
+            &self,
+            tracing: Tracing,
+            culling: Culling,
+            rays: &[Ray<f32>],
+            found: &mut [Option<TriangleHit>],
+        ) {
+            dispatch::closest(&*self.traced, tracing, culling, rays, found);
+        }
+
+        fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
+            dispatch::any(&*self.traced, tracing, culling, rays, found);
+        }
+    };
+}
+
+impl<M: Method> Tree for Bvh<M> {
+    queries!();
+    inspections!();
+}
+
+impl Tree for ErasedBvh {
+    queries!();
+    inspections!();
+}
+
+impl<M: Method> Tree for ScalarBvh<M> {
+    fn closest(
+        &self,
+        _: Tracing,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        found: &mut [Option<TriangleHit>],
+    ) {
+        let traced = &*self.traced;
+        dispatch::plain(traced, dispatch::PLAIN, PlainLanes::Scalar, culling, rays, found);
+    }
+
+    fn any(&self, _: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
+        dispatch::plain(&*self.traced, HasClosest, PlainLanes::Scalar, culling, rays, found);
+    }
+
+    inspections!();
+}
