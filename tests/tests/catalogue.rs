@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use trisect_catalog::{Finder, Kernels, Scene, entries};
-use trisect_core::{Culling, Forms, Output, Precision, Ray, Triangle};
+use trisect_core::{Precision, Ray, Triangle};
+use trisect_method::{Culling, Forms, Output};
 use trisect_workloads::{Mesh, Share, Workload};
 
 /// Every hit of a finder: ray, triangle, and the bits of `t`, `beta`, `gamma`.

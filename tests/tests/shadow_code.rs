@@ -8,7 +8,7 @@ use iced_x86::{
 };
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SymbolKind};
 use trisect_catalog::{Kernel, entries};
-use trisect_core::{Form, Output};
+use trisect_method::{Form, Output};
 
 /// Methods that divide when a ray is prepared, once for all triangles of a group: the shears of the
 /// watertight test, and the direction by its longest part.

@@ -1,9 +1,9 @@
 //! The stability study, small: what it finds of every method must not change unseen.
 
 use trisect_catalog::{entries, find};
-use trisect_core::{
-    FloatFormat, Flushing, Form, Hit, MultiplyAdd, Ray, Scalar as _, Triangle, Vec3,
-};
+use trisect_core::{FloatFormat, Hit, MultiplyAdd, Ray, Scalar as _, Triangle, Vec3};
+use trisect_formula::Flushing;
+use trisect_method::Form;
 use trisect_studies::record::Records;
 use trisect_studies::stress::{
     ByCondition, Clause, Contract, Limits, SpecialValues, Stability, Stages, StressFamily,

@@ -1,8 +1,9 @@
 //! A tree finds for every method what testing every triangle finds.
 
 use trisect_catalog::{Builder, INLINE_IN_TREES, Leaves, Tracing, entries};
-use trisect_core::{Culling, Hit, Output};
+use trisect_core::Hit;
 use trisect_mesh::{Mesh, MeshFormat};
+use trisect_method::{Culling, Output};
 
 fn teapot() -> Mesh {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../data/meshes/teapot.ply");

@@ -1,9 +1,8 @@
 //! Every method against the exact oracle, on a mesh.
 
 use trisect_catalog::{Kernels, entries};
-use trisect_core::{
-    Culling, Hit, MethodInfo, Output, Precision, Ray, ReciprocalKind, Scalar, Triangle, Vec3,
-};
+use trisect_core::{Hit, Precision, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{Culling, MethodInfo, Output, ReciprocalKind};
 use trisect_oracle::{Oracle, Truth};
 use trisect_workloads::Mesh;
 

@@ -2,11 +2,10 @@
 
 use std::cmp::Ordering;
 
-use trisect_core::{
-    BLOCK, Culling, DecisionOnly, Deferred, Hit, Lanes, Method, PreparedTriangles, Ray,
-    Scalar as _, Token, Triangle, TrueDivision, one_ray, one_ray_until,
-};
+use trisect_core::{Hit, Lanes, Ray, Scalar as _, Token, Triangle};
 use trisect_exact::Exact;
+use trisect_kernels::{BLOCK, PreparedTriangles, one_ray, one_ray_until};
+use trisect_method::{Culling, DecisionOnly, Deferred, Method, TrueDivision};
 
 /// The form that both methods have.
 type Form = Deferred<TrueDivision, true>;

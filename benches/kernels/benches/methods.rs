@@ -16,8 +16,10 @@ use criterion::{
     BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
 };
 use trisect_catalog::{Finder, Kernel, Kernels, Scene, entries};
-use trisect_core::{Common, Culling, Precision, Ray, Triangle};
+use trisect_core::{Precision, Ray, Triangle};
 use trisect_kernel_benches::{kernel_name, workloads};
+use trisect_kernels::Common;
+use trisect_method::Culling;
 
 fn methods(criterion: &mut Criterion) {
     for workload in workloads() {

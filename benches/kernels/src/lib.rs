@@ -2,7 +2,7 @@
 #![forbid(unsafe_code)]
 
 use trisect_catalog::{Kernel, Variant};
-use trisect_core::ReciprocalKind;
+use trisect_method::ReciprocalKind;
 use trisect_workloads::{Mesh, Workload, primary, random};
 
 /// The seed of everything random here.

@@ -9,11 +9,13 @@ use std::cmp::Ordering;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
-use trisect_core::{
-    Arrangement, Common, CommonDirection, CommonOrigin, Culling, Division, ExactMethod, Flushing,
-    Hit, Lanes, Method, Needs, PADDING, Packets, Precision, PreparedTriangles, Ray, Refine, Scalar,
-    Tested, Token, Triangle, UnsuitableMesh, intersect_with, one_ray, one_triangle, shared_packets,
+use trisect_core::{Hit, Lanes, Precision, Ray, Scalar, Token, Triangle};
+use trisect_formula::Flushing;
+use trisect_kernels::{
+    Arrangement, Common, CommonDirection, CommonOrigin, PADDING, Packets, PreparedTriangles,
+    Tested, intersect_with, one_ray, one_triangle, shared_packets,
 };
+use trisect_method::{Culling, Division, ExactMethod, Method, Needs, Refine, UnsuitableMesh};
 use trisect_tracer::{Builder, Bvh, ErasedBvh, Leaves, Tree};
 
 use crate::variant::Variant;
@@ -134,7 +136,7 @@ impl<L: Lanes> Accumulator<L> {
 
     #[inline(always)]
     fn tally(self) -> Tally {
-        let mut sums = [L::Elem::from_f64(0.0); trisect_core::BLOCK];
+        let mut sums = [L::Elem::from_f64(0.0); trisect_kernels::BLOCK];
         self.sum.store(&mut sums);
         Tally { hits: self.hits, sum: sums.iter().map(|x| x.to_f64()).sum() }
     }
@@ -416,7 +418,7 @@ fn each_hit<L: Lanes>(
     found: &mut dyn FnMut(usize, Hit<f64>) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let zero = L::Elem::from_f64(0.0);
-    let mut lanes = [[zero; trisect_core::BLOCK]; 3];
+    let mut lanes = [[zero; trisect_kernels::BLOCK]; 3];
     hit.t.store(&mut lanes[0]);
     hit.beta.store(&mut lanes[1]);
     hit.gamma.store(&mut lanes[2]);

@@ -10,10 +10,9 @@ mod variant;
 
 use std::sync::OnceLock;
 
-use trisect_core::{
-    Cost, Form, Hit, Method, MethodInfo, MethodVisitor, Precision, Ray, Triangle, UnsuitableMesh,
-    cost,
-};
+use trisect_core::{Hit, Precision, Ray, Triangle};
+use trisect_formula::{Cost, cost};
+use trisect_method::{Form, Method, MethodInfo, MethodVisitor, UnsuitableMesh};
 
 use kernel::Instances as _;
 pub use kernel::{Find, Finder, Kernel, Scene, Tally};
@@ -101,7 +100,7 @@ const fn is_inline_in_trees(name: &str) -> bool {
     false
 }
 
-/// A test of one ray against one triangle in [`Flushing`](trisect_core::Flushing) arithmetic.
+/// A test of one ray against one triangle in [`Flushing`](trisect_formula::Flushing) arithmetic.
 pub type FlushingTest = fn(&Ray<f32>, &Triangle<f32>) -> Option<Hit<f64>>;
 
 /// The compiled kernels of a method in one precision.

@@ -8,10 +8,11 @@
 
 use std::marker::PhantomData;
 
-use trisect_core::{
-    Barycentrics, CommonDirection, CommonOrigin, DecisionOnly, Deferred, Distance, Division, Early,
-    Form, InstructionSet, Lanes, LanesVisitor, Method, Needs, Newton, Normal, Occlusion, Output,
-    Point, Precision, Token, TrueDivision,
+use trisect_core::{InstructionSet, Lanes, LanesVisitor, Precision, Token};
+use trisect_kernels::{CommonDirection, CommonOrigin};
+use trisect_method::{
+    Barycentrics, DecisionOnly, Deferred, Distance, Division, Early, Form, Method, Needs, Newton,
+    Normal, Occlusion, Output, Point, TrueDivision,
 };
 
 use crate::kernel::{Arrange, Finder, Instances as _, Kernel, OneRay, OneTriangle, Scene};

@@ -4,10 +4,9 @@ use std::borrow::Cow;
 use std::cmp::Ordering;
 
 use serde::{Deserialize, Serialize};
-use trisect_core::{
-    Arrangement, Division, FloatFormat, Form, InstructionSet, Lanes, Method, MultiplyAdd, Output,
-    Precision, ReciprocalKind, Token,
-};
+use trisect_core::{FloatFormat, InstructionSet, Lanes, MultiplyAdd, Precision, Token};
+use trisect_kernels::Arrangement;
+use trisect_method::{Division, Form, Method, Output, ReciprocalKind};
 
 /// A lane type, as a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -6,7 +6,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use trisect_catalog::Builder;
-use trisect_core::{FloatFormat, Form, Output};
+use trisect_core::FloatFormat;
+use trisect_method::{Form, Output};
 use trisect_render::Sampling;
 use trisect_studies::input::{Reading, Subjects};
 use trisect_studies::{Choice, comparison};

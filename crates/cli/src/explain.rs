@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow};
 use serde::Serialize;
-use trisect_core::{Form, Output, Triangle};
+use trisect_core::Triangle;
+use trisect_method::{Form, Output};
 use trisect_render::{Settings, Stage};
 use trisect_studies::omissions::{ExplainedPart, Explanation};
 use trisect_studies::recommend::{self, Candidate, RecommendSettings};

@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use trisect_catalog::Variant;
-use trisect_core::{Arrangement, Form, InstructionSet, MultiplyAdd, Output, ReciprocalKind};
+use trisect_core::{InstructionSet, MultiplyAdd};
+use trisect_kernels::Arrangement;
+use trisect_method::{Form, Output, ReciprocalKind};
 
 use crate::records::COLUMNS;
 

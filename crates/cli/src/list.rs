@@ -3,7 +3,8 @@
 use anyhow::Result;
 use serde::Serialize;
 use trisect_catalog::{Entry, entries};
-use trisect_core::{Form, Input, InstructionSet, Output};
+use trisect_core::InstructionSet;
+use trisect_method::{Form, Input, Output};
 use trisect_studies::machine;
 
 use crate::arguments::List;

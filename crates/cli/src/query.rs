@@ -7,9 +7,8 @@ use anyhow::{Result, anyhow, bail};
 use rayon::prelude::*;
 use serde::Serialize;
 use trisect_catalog::{Builder, Entry, Finder, Kernels, Tracing, TriangleHit, Variant};
-use trisect_core::{
-    Culling, FloatFormat, Hit, Output, Precision, Ray, Scalar as _, Triangle, UnsuitableMesh, Vec3,
-};
+use trisect_core::{FloatFormat, Hit, Precision, Ray, Scalar as _, Triangle, Vec3};
+use trisect_method::{Culling, Output, UnsuitableMesh};
 use trisect_oracle::{Exact, Oracle};
 use trisect_studies::input;
 use trisect_workloads::{Mesh, RaysFile};

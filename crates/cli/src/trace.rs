@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result, anyhow};
 use serde::Serialize;
 use trisect_catalog::{Statistics, Tracing, Tree, TriangleHit};
-use trisect_core::{Culling, Ray};
+use trisect_core::Ray;
+use trisect_method::Culling;
 use trisect_studies::{file, input, nanoseconds};
 
 use crate::arguments::Trace;

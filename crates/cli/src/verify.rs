@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 
 use anyhow::Result;
-use trisect_core::{MultiplyAdd, ReciprocalKind};
+use trisect_core::MultiplyAdd;
+use trisect_method::ReciprocalKind;
 use trisect_studies::comparison::{
     Agreement, Decisions, Error, Quantiles, Workload, compare, verification,
 };

@@ -1,7 +1,6 @@
 //! Whether three points lie on one line, exactly.
 
 use crate::decode::decode;
-use crate::geometry::{Triangle, Vec3};
 use crate::lanes::Float;
 
 /// Whether the corners lie on one line: all three minors of the edges vanish.
@@ -12,27 +11,28 @@ use crate::lanes::Float;
 /// nearly every triangle is known not to be degenerate after one cross product. For the others
 /// integers decide.
 #[inline]
-pub(crate) fn are_collinear<E: Float>(triangle: &Triangle<E>) -> bool {
-    let Triangle { a, b, c } = *triangle;
-    let (e1, e2) = (b - a, c - a);
+pub(crate) fn are_collinear<E: Float>([a, b, c]: [[E; 3]; 3]) -> bool {
+    let edge = |to: [E; 3]| [0, 1, 2].map(|axis| to[axis] - a[axis]);
+    let (p, q) = (edge(b), edge(c));
     let bound = E::from_f64(8.0 * E::UNIT_ROUNDOFF);
     let is_clear = |p: E, q: E| {
         let size = p.abs() + q.abs();
         (p - q).abs() > bound * size && size >= E::smallest_det()
     };
-    let clear = is_clear(e1.y * e2.z, e1.z * e2.y)
-        || is_clear(e1.z * e2.x, e1.x * e2.z)
-        || is_clear(e1.x * e2.y, e1.y * e2.x);
-    !clear && exactly(triangle.corners().map(|corner| corner.map(E::to_f64)))
+    let clear = PLANES.into_iter().any(|(u, v)| is_clear(p[u] * q[v], p[v] * q[u]));
+    !clear && exactly([a, b, c].map(|point| point.map(E::to_f64)))
 }
+
+/// The axes of each minor.
+const PLANES: [(usize, usize); 3] = [(1, 2), (2, 0), (0, 1)];
 
 /// The same by exact arithmetic, whatever the numbers.
 #[cold]
-fn exactly([a, b, c]: [Vec3<f64>; 3]) -> bool {
-    let vanishes = |x: fn(Vec3<f64>) -> f64, y: fn(Vec3<f64>) -> f64| {
+fn exactly([a, b, c]: [[f64; 3]; 3]) -> bool {
+    let vanishes = |(x, y): (usize, usize)| {
         let (mut positive, mut negative) = (Sum::ZERO, Sum::ZERO);
         for (p, q) in [(a, b), (b, c), (c, a)] {
-            for (x, y) in [(x(p), y(q)), (-y(p), x(q))] {
+            for (x, y) in [(p[x], q[y]), (-p[y], q[x])] {
                 let ((m, i), (n, j)) = (decode(x), decode(y));
                 let product = u128::from(m.unsigned_abs()) * u128::from(n.unsigned_abs());
                 let sum = if (m < 0) == (n < 0) { &mut positive } else { &mut negative };
@@ -41,7 +41,7 @@ fn exactly([a, b, c]: [Vec3<f64>; 3]) -> bool {
         }
         positive == negative
     };
-    vanishes(|v| v.y, |v| v.z) && vanishes(|v| v.z, |v| v.x) && vanishes(|v| v.x, |v| v.y)
+    PLANES.into_iter().all(vanishes)
 }
 
 /// The least exponent of a product of two numbers.
@@ -79,7 +79,12 @@ impl Sum {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::Float;
+    use crate::{Triangle, Vec3};
+
+    fn are_collinear<E: Float>(triangle: &Triangle<E>) -> bool {
+        super::are_collinear(triangle.corners().map(Vec3::to_array))
+    }
 
     fn power_of_two(exponent: i32) -> f64 {
         f64::from(2).powi(exponent)

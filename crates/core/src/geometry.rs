@@ -299,7 +299,7 @@ impl<X: Scalar> Triangle<X> {
     /// counts as zero.
     #[inline(always)]
     pub fn is_degenerate(&self) -> bool {
-        X::are_collinear(self)
+        X::are_collinear(self.corners().map(Vec3::to_array))
     }
 
     /// Whether anything can hit it: it is finite and has an area.

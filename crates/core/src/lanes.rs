@@ -13,10 +13,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, SimdFloatElement};
 
 use crate::collinear;
-use crate::geometry::{Triangle, Vec3};
+use crate::format::FloatFormat;
+use crate::instruction_set::Token;
 use crate::number::Number;
-use crate::tier::Token;
-use crate::variant::FloatFormat;
 
 /// N numbers that move in step; N = 1 is the scalar.
 ///
@@ -138,12 +137,13 @@ pub trait Scalar:
     fn smallest_det() -> Self {
         Self::from_f64(f64::MIN_POSITIVE)
     }
-    /// Whether the corners of a triangle lie on one line; see [`Triangle::is_degenerate`]. This is
-    /// the answer of the number's own arithmetic, for numbers that do not round.
-    #[inline(always)]
-    fn are_collinear(triangle: &Triangle<Self>) -> bool {
-        let zero = Self::from_f64(0.0);
-        triangle.normal() == Vec3::new(zero, zero, zero)
+    /// Whether three points, by their coordinates, lie on one line; see
+    /// [`Triangle::is_degenerate`](crate::Triangle::is_degenerate). This is the answer of the number's own
+    /// arithmetic, for numbers that do not round.
+    fn are_collinear([a, b, c]: [[Self; 3]; 3]) -> bool {
+        let edge = |to: [Self; 3]| [0, 1, 2].map(|axis| to[axis] - a[axis]);
+        let (p, q) = (edge(b), edge(c));
+        [(1, 2), (2, 0), (0, 1)].into_iter().all(|(u, v)| p[u] * q[v] == p[v] * q[u])
     }
     /// The unit roundoff of the precision: half the distance from 1 to the next number.
     #[inline(always)]
@@ -290,8 +290,8 @@ macro_rules! scalar {
             fn smallest_det() -> Self {
                 $float::MIN_POSITIVE
             }
-            fn are_collinear(triangle: &Triangle<Self>) -> bool {
-                collinear::are_collinear(triangle)
+            fn are_collinear(points: [[Self; 3]; 3]) -> bool {
+                collinear::are_collinear(points)
             }
             #[inline(always)]
             fn unit_roundoff() -> Self {

@@ -15,6 +15,7 @@ pub trait Named: Copy + 'static {
 }
 
 /// Declares an enumeration whose values have names: [`Named`], `Display`, and serde's traits by name.
+#[macro_export]
 macro_rules! named {
     (
         $(#[$attribute:meta])*
@@ -54,24 +55,24 @@ macro_rules! named {
             }
         }
 
-        impl serde_core::Serialize for $enum {
-            fn serialize<S: serde_core::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        impl $crate::serde_core::Serialize for $enum {
+            fn serialize<S: $crate::serde_core::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
                 to.serialize_str(self.name())
             }
         }
 
-        impl<'de> serde_core::Deserialize<'de> for $enum {
-            fn deserialize<D: serde_core::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        impl<'de> $crate::serde_core::Deserialize<'de> for $enum {
+            fn deserialize<D: $crate::serde_core::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
                 struct ByName;
 
-                impl serde_core::de::Visitor<'_> for ByName {
+                impl $crate::serde_core::de::Visitor<'_> for ByName {
                     type Value = $enum;
 
                     fn expecting(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
                         f.write_str(concat!("one of", $(" `", $name, "`"),+))
                     }
 
-                    fn visit_str<E: serde_core::de::Error>(self, name: &str) -> Result<$enum, E> {
+                    fn visit_str<E: $crate::serde_core::de::Error>(self, name: &str) -> Result<$enum, E> {
                         <$enum as $crate::Named>::named(name)
                             .ok_or_else(|| E::unknown_variant(name, &[$($name),+]))
                     }
@@ -82,4 +83,3 @@ macro_rules! named {
         }
     };
 }
-pub(crate) use named;

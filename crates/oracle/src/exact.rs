@@ -6,7 +6,8 @@ use core::ops::{Add, Mul, Sub};
 use dashu_base::{Abs, Sign, UnsignedAbs};
 use dashu_int::IBig;
 use dashu_ratio::{RBig, Relaxed};
-use trisect_core::{Float, Interval, Ray, Triangle, Vec3, decode};
+use trisect_core::{Float, Ray, Triangle, Vec3, decode};
+use trisect_method::Interval;
 
 use crate::Condition;
 use crate::class::Class;

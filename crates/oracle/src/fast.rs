@@ -31,7 +31,8 @@
 use core::cmp::Ordering;
 use core::ops::RangeInclusive;
 
-use trisect_core::{Float, Interval, Ray, Triangle, Vec3};
+use trisect_core::{Float, Ray, Triangle, Vec3};
+use trisect_method::Interval;
 
 use crate::Condition;
 use crate::class::Class;

@@ -81,7 +81,7 @@ pub struct Answer<E> {
 /// Threads each take their own and [`merge`](Oracle::merge) them at the end.
 ///
 /// Every question asks about the closed triangle and the closed interval `[tmin, tmax]`, its ends
-/// brought within half the largest number of the precision ([`Interval::new`](trisect_core::Interval::new)), of the numbers as
+/// brought within half the largest number of the precision ([`Interval::new`](trisect_method::Interval::new)), of the numbers as
 /// they are given; nothing is rounded before the last step. See [`Class`] for what
 /// degenerate and non-finite input gives; nothing here panics.
 #[derive(Clone, Debug)]

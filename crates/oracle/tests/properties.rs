@@ -5,7 +5,8 @@ use core::cmp::Ordering;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use proptest::prelude::*;
-use trisect_core::{Float, FloatFormat, Interval, Ray, Scalar, Triangle, Vec3};
+use trisect_core::{Float, FloatFormat, Ray, Scalar, Triangle, Vec3};
+use trisect_method::Interval;
 use trisect_oracle::{Class, Exact, Oracle, RBig, compare_t, exact_class, exact_rationals};
 
 /// Any finite f32, with small integers, subnormals and extremes all common.

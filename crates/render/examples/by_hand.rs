@@ -8,7 +8,8 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use glam::{Vec2, Vec3};
-use trisect_core::{Culling, Ray, Triangle};
+use trisect_core::{Ray, Triangle};
+use trisect_method::Culling;
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_render::{Image, Renderer, Settings, Stage, Watch};
 use trisect_scene::Scene;

@@ -9,7 +9,8 @@
 use std::collections::BTreeMap;
 
 use glam::{Affine3A, DVec3, Mat3A, Vec2, Vec3};
-use trisect_core::{Triangle, UnsuitableMesh};
+use trisect_core::Triangle;
+use trisect_method::UnsuitableMesh;
 use trisect_scene::{Camera, Frame, Instance, Light, Material, Plane, Scene, Sphere};
 use trisect_tracer::{Statistics, Tree};
 

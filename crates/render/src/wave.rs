@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
-use trisect_core::{Culling, Ray};
+use trisect_core::Ray;
+use trisect_method::Culling;
 use trisect_scene::{Color, luminance};
 use trisect_tracer::{Tracing, TriangleHit, meets_box};
 

@@ -11,7 +11,8 @@ use std::fmt::Write as _;
 
 use common::{render, shipped, stage};
 use moved::{Grows, moved, power_of_two, scaled};
-use trisect_core::{Method, Triangle};
+use trisect_core::Triangle;
+use trisect_method::Method;
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_render::{Image, Mode, Occlusion, Sampling, Settings};
 use trisect_scene::{Affine3A, Camera, Instance, Lens, Light, Material, Mesh, Scene, Vec3};

@@ -3,7 +3,8 @@
 use std::ops::ControlFlow;
 
 use trisect_catalog::{Finder, Scene};
-use trisect_core::{Culling, Hit, Output, Vec3};
+use trisect_core::{Hit, Vec3};
+use trisect_method::{Culling, Output};
 
 use crate::comparison::{ClassCount, Quantiles};
 use crate::subject::{Judged, Truth};
@@ -52,7 +53,7 @@ impl Answers {
     }
 
     /// What a timed kernel of the same variant must return that is asked for `asked`: the hits, and
-    /// the sum of what [`Needs::fold`](trisect_core::Needs::fold) makes of each.
+    /// the sum of what [`Needs::fold`](trisect_method::Needs::fold) makes of each.
     pub(crate) fn expected(&self, asked: Output, unit_roundoff: f64, of: &dyn Judged) -> Expected {
         let hits = self.pairs.len() as u64;
         let (mut sum, mut magnitude) = (0.0, 0.0);

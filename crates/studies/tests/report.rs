@@ -5,7 +5,8 @@ mod synthetic;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use trisect_core::{Arrangement, Form, Output};
+use trisect_kernels::Arrangement;
+use trisect_method::{Form, Output};
 use trisect_report::stats;
 use trisect_studies::Chapter;
 use trisect_studies::comparison::Comparison;

@@ -4,9 +4,9 @@ mod synthetic;
 
 use std::collections::BTreeMap;
 
-use trisect_core::{
-    Arrangement, FloatFormat, Form, InstructionSet, MultiplyAdd, Output, ReciprocalKind,
-};
+use trisect_core::{FloatFormat, InstructionSet, MultiplyAdd};
+use trisect_kernels::Arrangement;
+use trisect_method::{Form, Output, ReciprocalKind};
 use trisect_studies::Chapter;
 use trisect_studies::comparison::Comparison;
 use trisect_studies::comparison::MethodFacts;

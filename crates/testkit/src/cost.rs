@@ -3,7 +3,8 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use trisect_core::{Cost, Method, Ops, cost};
+use trisect_formula::{Cost, Ops, cost};
+use trisect_method::Method;
 
 use crate::readme::Part;
 

@@ -10,7 +10,8 @@ mod table;
 use std::path::Path;
 use std::thread;
 
-use trisect_core::{FloatFormat, Form, ReciprocalKind};
+use trisect_core::FloatFormat;
+use trisect_method::{Form, ReciprocalKind};
 
 use crate::kernels::{Found, Kernels, Lists, Results};
 use crate::readme::{Part, is_blessing};

@@ -5,10 +5,15 @@ use core::any::Any;
 use core::marker::PhantomData;
 
 use trisect_core::{
-    Arrangement, BLOCK, Common, CommonDirection, CommonOrigin, Culling, Deferred, Division, Early,
-    FloatFormat, Form, Hit, InstructionSet, Interval, Lanes, LanesVisitor, Method, Newton, PADDING,
-    Packets, Precision, PreparedPair, PreparedTriangles, Ray, Reciprocal, ReciprocalKind, Scalar,
-    Tested, Token, Triangle, TrueDivision, UnsuitableMesh, one_ray, one_triangle, shared_packets,
+    FloatFormat, Hit, InstructionSet, Lanes, LanesVisitor, Precision, Ray, Scalar, Token, Triangle,
+};
+use trisect_kernels::{
+    Arrangement, BLOCK, Common, CommonDirection, CommonOrigin, PADDING, Packets, PreparedPair,
+    PreparedTriangles, Tested, one_ray, one_triangle, shared_packets,
+};
+use trisect_method::{
+    Culling, Deferred, Division, Early, Form, Interval, Method, Newton, Reciprocal, ReciprocalKind,
+    TrueDivision, UnsuitableMesh,
 };
 
 /// A ray that hits a triangle.

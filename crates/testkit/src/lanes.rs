@@ -8,7 +8,9 @@
 //! arrangements and on all widths, to the same decisions.
 
 use proptest::prelude::*;
-use trisect_core::{Common, Culling, FloatFormat, Hit, Precision, Ray, ReciprocalKind, Triangle};
+use trisect_core::{FloatFormat, Hit, Precision, Ray, Triangle};
+use trisect_kernels::Common;
+use trisect_method::{Culling, ReciprocalKind};
 
 use crate::draw::{Pair, check, clear_hits, well_conditioned};
 use crate::kernels::{Found, Kernel, Kernels, NOTHING};

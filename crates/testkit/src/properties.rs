@@ -3,7 +3,8 @@
 use core::fmt::Debug;
 
 use proptest::prelude::*;
-use trisect_core::{Culling, Float, Hit, Output, Ray, Scalar, Triangle, Vec3};
+use trisect_core::{Float, Hit, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{Culling, Output};
 use trisect_oracle::Exact;
 
 use crate::draw::{

@@ -1,8 +1,9 @@
 //! A method as values: pointers to functions that are compiled for it.
 
-use trisect_core::{
-    Alpha as _, Culling, Deferred, Division, Early, Float, Form, Hit, Method, MethodInfo, Output,
-    PreparedPair, Ray, Scalar, Triangle, TrueDivision, Vec3, intersect_with,
+use trisect_core::{Float, Hit, Ray, Scalar, Triangle, Vec3};
+use trisect_kernels::{PreparedPair, intersect_with};
+use trisect_method::{
+    Alpha as _, Culling, Deferred, Division, Early, Form, Method, MethodInfo, Output, TrueDivision,
 };
 use trisect_oracle::Exact;
 

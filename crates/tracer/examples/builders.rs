@@ -5,7 +5,8 @@
 
 use std::time::Instant;
 
-use trisect_core::{Culling, Ray};
+use trisect_core::Ray;
+use trisect_method::Culling;
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_tracer::{Builder, Bvh, Statistics, Tracing, Tree};
 use trisect_workloads::Mesh;

@@ -1,6 +1,7 @@
 //! How a batch of rays goes through a tree, whatever its method.
 
-use trisect_core::{Culling, Ray};
+use trisect_core::Ray;
+use trisect_method::Culling;
 
 use crate::bvh::wide::{Statistics, WideTree};
 use crate::hit::TriangleHit;

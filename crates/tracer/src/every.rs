@@ -2,9 +2,11 @@
 
 use std::cmp::Ordering;
 
-use trisect_core::{
-    Culling, Deferred, Division, Early, ExactMethod, Hit, Method, Of, PreparedTriangles, Ray,
-    Refine, Tested, Triangle, TrueDivision, UnsuitableMesh, one_ray,
+use trisect_core::{Hit, Ray, Triangle};
+use trisect_kernels::{PreparedTriangles, Tested, one_ray};
+use trisect_method::{
+    Culling, Deferred, Division, Early, ExactMethod, Method, Of, Refine, TrueDivision,
+    UnsuitableMesh,
 };
 
 use crate::bvh::builders::settings::Builder;

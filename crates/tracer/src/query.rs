@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use trisect_core::{Culling, Method};
+use trisect_method::{Culling, Method};
 
 use crate::hit::TriangleHit;
 

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use trisect_core::{ExactMethod, Lanes, Method, Ray, Refine};
+use trisect_core::{Lanes, Ray};
+use trisect_method::{ExactMethod, Method, Refine};
 
 use crate::bvh::wide::WideTree;
 use crate::dispatch::Traced;

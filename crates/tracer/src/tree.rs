@@ -2,7 +2,8 @@
 
 use std::marker::PhantomData;
 
-use trisect_core::{Culling, Method, Ray, Triangle, UnsuitableMesh};
+use trisect_core::{Ray, Triangle};
+use trisect_method::{Culling, Method, UnsuitableMesh};
 
 use crate::bvh::builders::members::Kinds;
 use crate::bvh::builders::settings::{Builder, Leaves};

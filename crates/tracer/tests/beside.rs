@@ -5,10 +5,11 @@ mod common;
 
 use common::tree_by;
 use trisect_angle_sum::AngleSum;
-use trisect_core::{Culling, Method, Ray, Triangle};
+use trisect_core::{Ray, Triangle};
 use trisect_exact::{Exact, ExactInTrees};
 use trisect_havel_herout::HavelHerout;
 use trisect_keidy::Keidy;
+use trisect_method::{Culling, Method};
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_oracle::{Class, Oracle};
 use trisect_tracer::{Builder, EveryTriangle, Tracing, Tree};

@@ -3,7 +3,8 @@
 mod common;
 
 use common::{answers, rays_of, traced, tree_by};
-use trisect_core::{Culling, Method, Ray, Triangle, Vec3};
+use trisect_core::{Ray, Triangle, Vec3};
+use trisect_method::{Culling, Method};
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_tracer::{Builder, Bvh, Leaves, RefitError, Statistics, Tracing, Tree};
 use trisect_wald::Wald;

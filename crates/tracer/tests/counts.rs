@@ -3,8 +3,9 @@
 mod common;
 
 use common::{brute_force, rays_of, traced, tree_by};
-use trisect_core::{Culling, Float, Method, Ray, Triangle, Vec3};
+use trisect_core::{Float, Ray, Triangle, Vec3};
 use trisect_exact::{Exact, ExactInTrees};
+use trisect_method::{Culling, Method};
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_oracle::Oracle;
 use trisect_tracer::{Builder, Counted, EveryTriangle, Tracing, Tree};

@@ -4,8 +4,9 @@
 mod common;
 
 use common::tree_by;
-use trisect_core::{Culling, Float, Ray, Triangle, Vec3};
+use trisect_core::{Float, Ray, Triangle, Vec3};
 use trisect_exact::{Exact, ExactInTrees};
+use trisect_method::Culling;
 use trisect_oracle::Oracle;
 use trisect_tracer::{Builder, EveryTriangle, ScalarBvh, Tracing, Tree, TriangleHit};
 use trisect_workloads::{Aim, Mesh, Placement, Stream, Surface, diffuse_bounce, primary};

@@ -3,8 +3,9 @@
 mod common;
 
 use common::{brute_force, tree_by};
-use trisect_core::{Culling, Method, Ray, Triangle, Vec3};
+use trisect_core::{Ray, Triangle, Vec3};
 use trisect_exact::ExactInTrees;
+use trisect_method::{Culling, Method};
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_oracle::Oracle;
 use trisect_tracer::{Builder, EveryTriangle, ScalarBvh, Tracing, Tree, meets_box};

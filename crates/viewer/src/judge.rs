@@ -141,7 +141,7 @@ mod tests {
     use std::cell::RefCell;
 
     use trisect_catalog::{Builder, find};
-    use trisect_core::Culling;
+    use trisect_method::Culling;
     use trisect_render::Settings;
     use trisect_scene::Scene;
     use trisect_tracer::{Counted, Statistics, Tracing, Tree};

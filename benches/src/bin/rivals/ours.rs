@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow};
 use trisect_catalog::{Builder, Entry, Tracing, Tree, TriangleHit, find};
-use trisect_core::{Culling, Ray};
+use trisect_core::Ray;
+use trisect_method::Culling;
 
 use crate::contender::{Answers, Built, Contender, Entrant, Found, timed};
 

@@ -17,7 +17,9 @@ use std::arch::x86_64::{
 };
 
 use trisect_catalog::Tally;
-use trisect_core::{BLOCK, InstructionSet, Interval, Ray, Scalar, Triangle};
+use trisect_core::{InstructionSet, Ray, Scalar, Triangle};
+use trisect_kernels::BLOCK;
+use trisect_method::Interval;
 
 /// Sixteen triangles: a corner and two edges, coordinate by coordinate.
 #[derive(Clone, Copy)]

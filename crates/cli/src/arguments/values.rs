@@ -48,7 +48,7 @@ pub(crate) enum Cull {
     Front,
 }
 
-impl From<Cull> for trisect_core::Culling {
+impl From<Cull> for trisect_method::Culling {
     fn from(cull: Cull) -> Self {
         match cull {
             Cull::None => Self::None,

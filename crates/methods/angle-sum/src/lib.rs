@@ -1,9 +1,10 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-use trisect_core::{
-    Corners, Forms, Given, Homogeneous, Input, Lanes, Method, MethodInfo, Of, Output, Quotients,
-    Ray, Reciprocal, Scalar, Triangle, TrueDivision, Vec3,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Corners, Forms, Given, Homogeneous, Input, Method, MethodInfo, Of, Output, Quotients,
+    Reciprocal, TrueDivision,
 };
 
 /// How far the sum of the angles may seem to be off, in units of roundoff.
@@ -102,4 +103,4 @@ impl Method for AngleSum {
     }
 }
 
-trisect_core::methods!(AngleSum);
+trisect_method::methods!(AngleSum);

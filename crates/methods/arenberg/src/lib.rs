@@ -1,9 +1,10 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-use trisect_core::{
-    Given, Homogeneous, Lanes, Method, MethodInfo, Of, Output, PlaneFirst, Quotients, Ray, Scalar,
-    Slopes, ThreePlanes, Triangle, Vec3, Vertex,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Given, Homogeneous, Method, MethodInfo, Of, Output, PlaneFirst, Quotients, Slopes, ThreePlanes,
+    Vertex,
 };
 
 /// Arenberg 1988.
@@ -22,7 +23,7 @@ impl Method for Arenberg {
         outputs: Output::ALL,
         ..MethodInfo::USUAL
     };
-    type Prepared = (Slopes<()>, <Vertex as trisect_core::Frame>::Stored);
+    type Prepared = (Slopes<()>, <Vertex as trisect_method::Frame>::Stored);
     type PreparedRay<L: Lanes> = Ray<L>;
     type Alpha<L: Lanes> = Given<L>;
 
@@ -72,4 +73,4 @@ impl Method for Arenberg {
     }
 }
 
-trisect_core::methods!(Arenberg);
+trisect_method::methods!(Arenberg);

@@ -3,9 +3,10 @@
 
 use core::marker::PhantomData;
 
-use trisect_core::{
-    Forms, Frame, Homogeneous, Implied, Lanes, Method, MethodInfo, Of, Output, Quotients, Ray,
-    Scalar, Start, Triangle, Vec3, Vertex, World, record,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Forms, Frame, Homogeneous, Implied, Method, MethodInfo, Of, Output, Quotients, Start, Vertex,
+    World, record,
 };
 
 record! {
@@ -217,4 +218,4 @@ impl Method for Badouel1990 {
     }
 }
 
-trisect_core::methods!(BadouelCramer, Badouel1990, BadouelCramer<Vertex>);
+trisect_method::methods!(BadouelCramer, Badouel1990, BadouelCramer<Vertex>);

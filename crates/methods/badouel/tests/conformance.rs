@@ -1,7 +1,7 @@
 //! What the testkit holds every method to.
 
 use trisect_badouel::{Badouel1990, BadouelCramer};
-use trisect_core::Vertex;
+use trisect_method::Vertex;
 
 trisect_testkit::conformance_tests! {
     cramer: BadouelCramer;

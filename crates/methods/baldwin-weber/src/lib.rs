@@ -3,9 +3,10 @@
 
 use core::marker::PhantomData;
 
-use trisect_core::{
-    Frame, Function, Homogeneous, Implied, Lanes, MappedRay, Method, MethodInfo, Of, Quotients,
-    Ray, Scalar, Slopes, Triangle, Vec3, Vertex, World, record,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Frame, Function, Homogeneous, Implied, MappedRay, Method, MethodInfo, Of, Quotients, Slopes,
+    Vertex, World, record,
 };
 
 record! {
@@ -190,7 +191,7 @@ impl<F: Frame> Method for BaldwinWeber9<F> {
     }
 }
 
-trisect_core::methods!(
+trisect_method::methods!(
     BaldwinWeber9,
     BaldwinWeber12,
     BaldwinWeber9<Vertex>,

@@ -1,7 +1,7 @@
 //! What the testkit holds every method to.
 
 use trisect_baldwin_weber::{BaldwinWeber9, BaldwinWeber12};
-use trisect_core::Vertex;
+use trisect_method::Vertex;
 
 trisect_testkit::conformance_tests! {
     nine: BaldwinWeber9;

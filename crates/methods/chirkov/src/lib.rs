@@ -3,9 +3,9 @@
 
 use core::marker::PhantomData;
 
-use trisect_core::{
-    Forms, Frame, Given, Homogeneous, Lanes, Method, MethodInfo, Of, Output, Ray, Scalar, Start,
-    Triangle, Vec3, Vertex, World, record,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Forms, Frame, Given, Homogeneous, Method, MethodInfo, Of, Output, Start, Vertex, World, record,
 };
 
 record! {
@@ -97,4 +97,4 @@ impl<F: Frame> Method for Chirkov<F> {
     }
 }
 
-trisect_core::methods!(Chirkov, Chirkov<Vertex>);
+trisect_method::methods!(Chirkov, Chirkov<Vertex>);

@@ -1,7 +1,7 @@
 //! What the testkit holds every method to.
 
 use trisect_chirkov::Chirkov;
-use trisect_core::Vertex;
+use trisect_method::Vertex;
 
 trisect_testkit::conformance_tests! {
     world: Chirkov;

@@ -2,10 +2,9 @@
 
 use core::cmp::Ordering;
 
-use trisect_core::{
-    BLOCK, Culling, Deferred, Hit, Lanes, PreparedTriangles, Ray, Scalar, Token, Triangle,
-    TrueDivision, one_ray_until,
-};
+use trisect_core::{Hit, Lanes, Ray, Scalar, Token, Triangle};
+use trisect_kernels::{BLOCK, PreparedTriangles, one_ray_until};
+use trisect_method::{Culling, Deferred, TrueDivision};
 
 use crate::ladder::{self, Precision};
 use crate::{Exact, double, lanes_of, widened};

@@ -2,7 +2,8 @@
 //!
 //! Every constant here is derived in `docs/derivations/exact.md`.
 
-use trisect_core::{Interval, Lanes, RayParts, Scalar, Screened, Triangle, Value, Vec3, record};
+use trisect_core::{Lanes, Scalar, Triangle, Vec3};
+use trisect_method::{Interval, RayParts, Screened, Value, record};
 
 record! {
     /// The corners of a triangle, and how long its edges are.

@@ -4,9 +4,11 @@
 use core::cmp::Ordering;
 use core::marker::PhantomData;
 
-use trisect_core::{
-    BLOCK, Claims, Culling, Division, ExactMethod, Forms, Given, Hit, Homogeneous, Input, Interval,
-    Lanes, Method, MethodInfo, Of, Output, Ray, Refine, Scalar, Screened, Triangle, Value, Vec3,
+use trisect_core::{Hit, Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_kernels::BLOCK;
+use trisect_method::{
+    Claims, Culling, Division, ExactMethod, Forms, Given, Homogeneous, Input, Interval, Method,
+    MethodInfo, Of, Output, Refine, Screened, Value,
 };
 
 mod closest;
@@ -312,4 +314,4 @@ fn widened<X: Scalar>(triangle: &Triangle<X>) -> Triangle<f64> {
     triangle.map(|x| x.to_f64())
 }
 
-trisect_core::methods!(Exact; in trees: ExactInTrees);
+trisect_method::methods!(Exact; in trees: ExactInTrees);

@@ -1,6 +1,7 @@
 //! Where a test has a triangle's normal from.
 
-use trisect_core::{Lanes, Of, Record, Scalar, Value, Vec3, record};
+use trisect_core::{Lanes, Scalar, Vec3};
+use trisect_method::{Of, Record, Value, record};
 
 use crate::filter::SizedTriangle;
 

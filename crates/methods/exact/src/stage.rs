@@ -1,6 +1,7 @@
 //! Which stage decides a pair.
 
-use trisect_core::{Interval, Ray, Scalar, Triangle};
+use trisect_core::{Ray, Scalar, Triangle};
+use trisect_method::Interval;
 
 use crate::double::{Estimate, UNIT};
 use crate::filter::{self, BoundedRay, SizedTriangle, Volumes};

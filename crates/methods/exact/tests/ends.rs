@@ -1,9 +1,9 @@
 //! The exact method and the oracle agree on where intervals end.
 
-use trisect_core::{
-    Culling, Deferred, Float, Hit, PreparedTriangles, Ray, Triangle, TrueDivision, Vec3, one_ray,
-};
+use trisect_core::{Float, Hit, Ray, Triangle, Vec3};
 use trisect_exact::Exact;
+use trisect_kernels::{PreparedTriangles, one_ray};
+use trisect_method::{Culling, Deferred, TrueDivision};
 use trisect_oracle::Oracle;
 
 /// The hit of the kernel, in plain arithmetic.

@@ -2,10 +2,9 @@
 
 use std::cmp::Ordering;
 
-use trisect_core::{
-    Hit, Lanes, LanesVisitor, Precision, PreparedTriangles, Ray, Token, Triangle, Vec3,
-};
+use trisect_core::{Hit, Lanes, LanesVisitor, Precision, Ray, Token, Triangle, Vec3};
 use trisect_exact::{Place, Stage, closest, order, point_in_solid};
+use trisect_kernels::PreparedTriangles;
 use trisect_oracle::{Oracle, compare_t};
 use trisect_workloads::Stream;
 

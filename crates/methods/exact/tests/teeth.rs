@@ -2,11 +2,11 @@
 
 use core::cmp::Ordering;
 
-use trisect_core::{
-    Culling, Deferred, ExactMethod, Flushing, Hit, Interval, Method, Ray, Scalar as _, Triangle,
-    TrueDivision, Vec3, intersect, intersect_with,
-};
+use trisect_core::{Hit, Ray, Scalar as _, Triangle, Vec3};
 use trisect_exact::{Exact, Proved, Width};
+use trisect_formula::Flushing;
+use trisect_kernels::{intersect, intersect_with};
+use trisect_method::{Culling, Deferred, ExactMethod, Interval, Method, TrueDivision};
 use trisect_oracle::Oracle;
 use trisect_workloads::{Pair, Stream, Stress};
 

@@ -2,11 +2,13 @@
 //! fused, and in both arrangements; and what a screen says of pairs.
 
 use trisect_core::{
-    BLOCK, Culling, Deferred, ExactMethod, Float, Hit, Interval, Lanes, LanesVisitor, PADDING,
-    Packets, Precision, PreparedTriangles, Ray, Record as _, Scalar, Screened, Token, Triangle,
-    TrueDivision, Vec3, one_ray, one_triangle, rows,
+    Float, Hit, Lanes, LanesVisitor, Precision, Ray, Scalar, Token, Triangle, Vec3,
 };
 use trisect_exact::{Exact, ExactInTrees, Width};
+use trisect_kernels::{BLOCK, PADDING, Packets, PreparedTriangles, one_ray, one_triangle};
+use trisect_method::{
+    Culling, Deferred, ExactMethod, Interval, Record as _, Screened, TrueDivision, rows,
+};
 use trisect_oracle::Oracle;
 use trisect_workloads::{Stream, Stress};
 

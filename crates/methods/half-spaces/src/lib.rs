@@ -1,9 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-use trisect_core::{
-    Corners, Given, Homogeneous, Input, Lanes, Method, MethodInfo, Of, Output, Quotients, Ray,
-    Scalar, Triangle, Vec3,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Corners, Given, Homogeneous, Input, Method, MethodInfo, Of, Output, Quotients,
 };
 
 /// Half-spaces at right angles to the triangle, Havel 2008.
@@ -96,4 +96,4 @@ impl Method for HalfSpaces {
     }
 }
 
-trisect_core::methods!(HalfSpaces);
+trisect_method::methods!(HalfSpaces);

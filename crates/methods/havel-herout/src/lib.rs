@@ -3,9 +3,10 @@
 
 use core::marker::PhantomData;
 
-use trisect_core::{
-    Forms, Frame, Homogeneous, Implied, Lanes, Method, MethodInfo, Of, Output, PlaneFirst, Ray,
-    Scalar, Slopes, ThreePlanes, Triangle, Vec3, Vertex, World,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Forms, Frame, Homogeneous, Implied, Method, MethodInfo, Of, Output, PlaneFirst, Slopes,
+    ThreePlanes, Vertex, World,
 };
 
 /// Havel–Herout 2010, with constants in frame `F`.
@@ -53,4 +54,4 @@ impl<F: Frame> Method for HavelHerout<F> {
     }
 }
 
-trisect_core::methods!(HavelHerout, HavelHerout<Vertex>);
+trisect_method::methods!(HavelHerout, HavelHerout<Vertex>);

@@ -1,10 +1,8 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-use trisect_core::{
-    Corners, Given, Homogeneous, Input, Lanes, Method, MethodInfo, Of, Output, Ray, Scalar,
-    Triangle, Vec3,
-};
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{Corners, Given, Homogeneous, Input, Method, MethodInfo, Of, Output};
 
 /// Jiménez–Segura–Feito 2010.
 pub struct JimenezSeguraFeito;
@@ -55,4 +53,4 @@ impl Method for JimenezSeguraFeito {
     }
 }
 
-trisect_core::methods!(JimenezSeguraFeito);
+trisect_method::methods!(JimenezSeguraFeito);

@@ -1,9 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-use trisect_core::{
-    Corners, Homogeneous, Implied, Input, Lanes, Method, MethodInfo, Of, Output, Quotients, Ray,
-    Scalar, Triangle, Vec3,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Corners, Homogeneous, Implied, Input, Method, MethodInfo, Of, Output, Quotients,
 };
 
 /// Keidy's test of a point by the edges' Gram matrix, completed with barycentrics.
@@ -83,4 +83,4 @@ impl Method for Keidy {
     }
 }
 
-trisect_core::methods!(Keidy);
+trisect_method::methods!(Keidy);

@@ -1,9 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-use trisect_core::{
-    Corners, Homogeneous, Implied, Input, Lanes, Method, MethodInfo, Of, Output, Ray, Record,
-    Scalar, Triangle, Vec3, record,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Corners, Homogeneous, Implied, Input, Method, MethodInfo, Of, Output, Record, record,
 };
 
 record! {
@@ -179,7 +179,7 @@ impl<S: Storage> Method for KenslerShirley<S> {
     }
 }
 
-trisect_core::methods!(
+trisect_method::methods!(
     KenslerShirley<Edges>,
     KenslerShirley<Points>,
     KenslerShirley<PointsAndNormal>,

@@ -1,9 +1,10 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-use trisect_core::{
-    Corners, Culling, Division, Form, Forms, Hit, Homogeneous, Implied, Input, Interval, Lanes,
-    Method, MethodInfo, Of, Output, Ray, Scalar, Triangle, Vec3, record, seen,
+use trisect_core::{Hit, Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Corners, Culling, Division, Form, Forms, Homogeneous, Implied, Input, Interval, Method,
+    MethodInfo, Of, Output, record, seen,
 };
 
 record! {
@@ -233,7 +234,7 @@ impl<const ORDER: u8> Method for PublishedOrder<ORDER> {
     }
 }
 
-trisect_core::methods!(
+trisect_method::methods!(
     MollerTrumbore,
     PublishedOrder<1>,
     PublishedOrder<2>,

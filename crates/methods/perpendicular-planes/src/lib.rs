@@ -3,9 +3,10 @@
 
 use core::marker::PhantomData;
 
-use trisect_core::{
-    Forms, Frame, Homogeneous, Implied, Lanes, Method, MethodInfo, Of, Output, PlaneFirst,
-    Quotients, Ray, Scalar, Slopes, ThreePlanes, Triangle, Vec3, Vertex, World,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Forms, Frame, Homogeneous, Implied, Method, MethodInfo, Of, Output, PlaneFirst, Quotients,
+    Slopes, ThreePlanes, Vertex, World,
 };
 
 /// Perpendicular planes, Havel 2008, with constants in frame `F`.
@@ -67,4 +68,4 @@ impl<F: Frame> Method for PerpendicularPlanes<F> {
     }
 }
 
-trisect_core::methods!(PerpendicularPlanes, PerpendicularPlanes<Vertex>);
+trisect_method::methods!(PerpendicularPlanes, PerpendicularPlanes<Vertex>);

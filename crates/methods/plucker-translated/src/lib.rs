@@ -3,10 +3,8 @@
 
 use core::marker::PhantomData;
 
-use trisect_core::{
-    Alpha, Corners, Given, Homogeneous, Input, Lanes, Method, MethodInfo, Of, Output, Ray, Scalar,
-    Triangle, Vec3,
-};
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{Alpha, Corners, Given, Homogeneous, Input, Method, MethodInfo, Of, Output};
 
 /// What counts as inside.
 pub trait Tolerance: Send + Sync + 'static {
@@ -130,4 +128,4 @@ impl<T: Tolerance> Method for PluckerTranslated<T> {
     }
 }
 
-trisect_core::methods!(PluckerTranslated, PluckerTranslated<UnitInTheLastPlace>);
+trisect_method::methods!(PluckerTranslated, PluckerTranslated<UnitInTheLastPlace>);

@@ -1,9 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-use trisect_core::{
-    Corners, Given, Homogeneous, Lanes, Method, MethodInfo, Of, Output, Ray, RayParts, Scalar,
-    Triangle, Vec3, record,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Corners, Given, Homogeneous, Method, MethodInfo, Of, Output, RayParts, record,
 };
 
 record! {
@@ -123,4 +123,4 @@ impl Method for Plucker {
     }
 }
 
-trisect_core::methods!(Plucker);
+trisect_method::methods!(Plucker);

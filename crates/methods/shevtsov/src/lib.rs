@@ -3,9 +3,9 @@
 
 use core::marker::PhantomData;
 
-use trisect_core::{
-    Frame, Homogeneous, Implied, Lanes, Method, MethodInfo, Of, Ray, Scalar, Start, Triangle, Vec3,
-    Vertex, World, record,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Frame, Homogeneous, Implied, Method, MethodInfo, Of, Start, Vertex, World, record,
 };
 
 record! {
@@ -93,4 +93,4 @@ impl<F: Frame> Method for Shevtsov<F> {
     }
 }
 
-trisect_core::methods!(Shevtsov<World>, Shevtsov<Vertex>);
+trisect_method::methods!(Shevtsov<World>, Shevtsov<Vertex>);

@@ -1,9 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-use trisect_core::{
-    Corners, Given, Homogeneous, Input, Lanes, Method, MethodInfo, Of, Output, Quotients, Ray,
-    Scalar, Triangle, Vec3,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Corners, Given, Homogeneous, Input, Method, MethodInfo, Of, Output, Quotients,
 };
 
 /// Signed areas, Havel 2008.
@@ -99,4 +99,4 @@ impl Method for SignedAreas {
     }
 }
 
-trisect_core::methods!(SignedAreas);
+trisect_method::methods!(SignedAreas);

@@ -1,10 +1,8 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
-use trisect_core::{
-    Corners, Given, Homogeneous, Input, Lanes, Method, MethodInfo, Of, Output, Ray, Scalar,
-    Triangle, Vec3,
-};
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{Corners, Given, Homogeneous, Input, Method, MethodInfo, Of, Output};
 
 /// Signed volumes: half-spaces through the origin of the ray.
 pub struct SignedVolumes;
@@ -63,4 +61,4 @@ impl Method for SignedVolumes {
     }
 }
 
-trisect_core::methods!(SignedVolumes);
+trisect_method::methods!(SignedVolumes);

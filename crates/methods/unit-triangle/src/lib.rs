@@ -3,9 +3,10 @@
 
 use core::marker::PhantomData;
 
-use trisect_core::{
-    Frame, Homogeneous, Implied, Lanes, MappedRay, Method, MethodInfo, Of, Quotients, Ray, Scalar,
-    Slopes, Triangle, Vertex, World,
+use trisect_core::{Lanes, Ray, Scalar, Triangle};
+use trisect_method::{
+    Frame, Homogeneous, Implied, MappedRay, Method, MethodInfo, Of, Quotients, Slopes, Vertex,
+    World,
 };
 
 /// Unit triangle, Woop 2004, with constants in frame `F`.
@@ -59,4 +60,4 @@ impl<F: Frame> Method for UnitTriangle<F> {
     }
 }
 
-trisect_core::methods!(UnitTriangle, UnitTriangle<Vertex>);
+trisect_method::methods!(UnitTriangle, UnitTriangle<Vertex>);

@@ -3,7 +3,8 @@
 use core::error::Error;
 use core::fmt;
 
-use trisect_core::{Lanes, Of, Ray, Record, Scalar, Triangle, UnsuitableMesh, Vec3, record};
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{Of, Record, UnsuitableMesh, record};
 
 record! {
     /// Nothing but the axis `w`; `u` and `v` follow by table.

@@ -3,9 +3,10 @@
 
 use core::marker::PhantomData;
 
-use trisect_core::{
-    Frame, Function, Homogeneous, Implied, Lanes, Method, MethodInfo, Of, PlaneFirst, Quotients,
-    Ray, Scalar, Triangle, UnsuitableMesh, Vec3, Vertex, World, record,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Frame, Function, Homogeneous, Implied, Method, MethodInfo, Of, PlaneFirst, Quotients,
+    UnsuitableMesh, Vertex, World, record,
 };
 
 mod axis;
@@ -133,4 +134,4 @@ impl<A: AxisChoice, F: Frame> Method for Wald<A, F> {
     }
 }
 
-trisect_core::methods!(Wald, Wald<ByTable>, Wald<ByIndices>, Wald<Fixed>, Wald<Grouped, Vertex>);
+trisect_method::methods!(Wald, Wald<ByTable>, Wald<ByIndices>, Wald<Fixed>, Wald<Grouped, Vertex>);

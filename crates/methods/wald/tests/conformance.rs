@@ -1,6 +1,6 @@
 //! What the testkit holds every method to.
 
-use trisect_core::Vertex;
+use trisect_method::Vertex;
 use trisect_wald::{ByIndices, ByTable, Fixed, Grouped, Wald};
 
 trisect_testkit::conformance_tests! {

@@ -3,9 +3,9 @@
 
 use core::marker::PhantomData;
 
-use trisect_core::{
-    Claims, Corners, Given, Homogeneous, Input, Lanes, Method, MethodInfo, Of, Output, Ray,
-    RayParts, Scalar, Triangle, Vec3,
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{
+    Claims, Corners, Given, Homogeneous, Input, Method, MethodInfo, Of, Output, RayParts,
 };
 
 mod edge;
@@ -149,7 +149,7 @@ impl Named for Watertight<OnePrecision, ShearFirst> {
     const TITLE: &'static str = "Watertight, sheared per packet";
 }
 
-trisect_core::methods!(
+trisect_method::methods!(
     Watertight,
     Watertight<OnePrecision>,
     Watertight<OnePrecision, ShearFirst>,

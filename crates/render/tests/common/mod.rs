@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-use trisect_core::Method;
+use trisect_method::Method;
 use trisect_render::{Image, Renderer, Settings, Stage, Watch};
 use trisect_scene::Scene;
 use trisect_tracer::{Builder, Bvh, Tree};

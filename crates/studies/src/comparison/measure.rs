@@ -5,10 +5,10 @@ use std::time::Instant;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use trisect_catalog::{Entry, Kernel, Kernels, Scene, Variant};
-use trisect_core::{
-    Arrangement, Claims, FloatFormat, MultiplyAdd, Ops, Output, Precision, Ray, ReciprocalKind,
-    Triangle,
-};
+use trisect_core::{FloatFormat, MultiplyAdd, Precision, Ray, Triangle};
+use trisect_formula::Ops;
+use trisect_kernels::Arrangement;
+use trisect_method::{Claims, Output, ReciprocalKind};
 
 use super::record::{
     Agreement, Cracks, Decisions, Error, Family, MethodCount, MethodFacts, PartCost, Preparation,

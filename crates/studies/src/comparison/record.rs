@@ -1,7 +1,8 @@
 //! The lines of a comparison.
 
 use serde::{Deserialize, Serialize};
-use trisect_core::{FloatFormat, Form, Input, Output};
+use trisect_core::FloatFormat;
+use trisect_method::{Form, Input, Output};
 
 use crate::record::{Variant, lines};
 

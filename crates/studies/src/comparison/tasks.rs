@@ -1,8 +1,9 @@
 //! What is measured on: random rays, meshes, series and packets.
 
 use trisect_catalog::entries;
-use trisect_core::{Culling, Hit, Ray, Scalar as _};
+use trisect_core::{Hit, Ray, Scalar as _};
 use trisect_mesh::Mesh;
+use trisect_method::Culling;
 use trisect_workloads::{Light, RaysFile, Share, Workload};
 
 use super::record::Family;

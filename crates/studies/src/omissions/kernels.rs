@@ -2,10 +2,9 @@
 //! those of twice the precision.
 
 use trisect_catalog::{Entry, Kernel, Kernels};
-use trisect_core::{
-    Arrangement, FloatFormat, Forms, MultiplyAdd, Output, Precision, Ray, ReciprocalKind, Triangle,
-    UnsuitableMesh,
-};
+use trisect_core::{FloatFormat, MultiplyAdd, Precision, Ray, Triangle};
+use trisect_kernels::Arrangement;
+use trisect_method::{Forms, Output, ReciprocalKind, UnsuitableMesh};
 
 use super::measure::{Leaving, Subject, in_turn};
 use super::record::{Layer, Omission};

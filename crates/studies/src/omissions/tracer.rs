@@ -4,9 +4,8 @@ use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
 use trisect_catalog::{Builder, Tracing, Tree, TriangleHit, find};
-use trisect_core::{
-    Claims, Culling, Homogeneous, Lanes, Method, MethodInfo, Of, Ray, Scalar, Triangle, Vec3,
-};
+use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{Claims, Culling, Homogeneous, Method, MethodInfo, Of};
 use trisect_tracer::Bvh;
 use trisect_watertight::Watertight;
 use trisect_workloads::{Mesh, RayClass, hall};

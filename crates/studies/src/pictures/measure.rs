@@ -10,7 +10,8 @@ use rand::SeedableRng as _;
 use rand_pcg::Pcg64;
 use rayon::ThreadPool;
 use trisect_catalog::{Builder, Entry, Leaves, Tree};
-use trisect_core::{Triangle, UnsuitableMesh};
+use trisect_core::Triangle;
+use trisect_method::UnsuitableMesh;
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_render::{
     Image, ImageFormat, Mode, Occlusion, Renderer, Sampling, Settings, Stage, Watch,

@@ -13,7 +13,8 @@ use rand::seq::SliceRandom as _;
 use rand_pcg::Pcg64;
 use serde::Serialize;
 use trisect_catalog::entries;
-use trisect_core::{FloatFormat, Form, MultiplyAdd, Output, ReciprocalKind};
+use trisect_core::{FloatFormat, MultiplyAdd};
+use trisect_method::{Form, Output, ReciprocalKind};
 
 use crate::comparison::Refusal;
 use crate::record::Variant;

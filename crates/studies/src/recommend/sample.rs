@@ -1,7 +1,7 @@
 //! The part of a user's rays and triangles that kernels are tried on.
 
 use trisect_catalog::find;
-use trisect_core::Culling;
+use trisect_method::Culling;
 
 use crate::comparison::Family;
 use crate::kernels::REFERENCE;

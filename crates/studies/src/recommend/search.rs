@@ -1,7 +1,8 @@
 //! The kernels that would do, and how good their answers are.
 
 use trisect_catalog::{Entry, Kernel, Kernels};
-use trisect_core::{FloatFormat, Form, Hit, MultiplyAdd, Output, Precision};
+use trisect_core::{FloatFormat, Hit, MultiplyAdd, Precision};
+use trisect_method::{Form, Output};
 
 use super::decisions::{Kind, Ways, Wrong, rounding};
 use super::race::Racer;

@@ -8,9 +8,8 @@ use rand::{Rng, RngExt};
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use trisect_catalog::{Entry, Finder, Kernels, Scene, Variant};
-use trisect_core::{
-    Culling, Float, Form, Hit, Precision, Ray, ReciprocalKind, Scalar, Triangle, Vec3,
-};
+use trisect_core::{Float, Hit, Precision, Ray, Scalar, Triangle, Vec3};
+use trisect_method::{Culling, Form, ReciprocalKind};
 use trisect_oracle::{Class, Oracle};
 
 use super::Stability;

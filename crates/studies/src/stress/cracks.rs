@@ -4,7 +4,8 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use trisect_catalog::{Entry, Finder};
-use trisect_core::{Culling, Form, MultiplyAdd, Precision, Ray, Triangle, Vec3};
+use trisect_core::{MultiplyAdd, Precision, Ray, Triangle, Vec3};
+use trisect_method::{Culling, Form};
 use trisect_workloads::{Aim, Feature, Placement, Surface};
 
 use super::Stability;

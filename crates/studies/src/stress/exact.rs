@@ -8,7 +8,8 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use trisect_catalog::{Builder, Entry, Finder, Tracing, TriangleHit, Variant};
-use trisect_core::{Culling, Float, FloatFormat, Hit, Precision, Ray, Triangle, Vec3};
+use trisect_core::{Float, FloatFormat, Hit, Precision, Ray, Triangle, Vec3};
+use trisect_method::Culling;
 use trisect_oracle::Oracle;
 use trisect_workloads::{Aim, Feature, Mesh, Placement, Stress, Surface, diffuse_bounce, primary};
 

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 use trisect_catalog::{Entry, Finder, Kernels};
-use trisect_core::{Float, FloatFormat, Form, MultiplyAdd, Output, Precision, ReciprocalKind};
+use trisect_core::{Float, FloatFormat, MultiplyAdd, Precision};
+use trisect_method::{Form, Output, ReciprocalKind};
 use trisect_workloads::Stress;
 
 use super::Stability;

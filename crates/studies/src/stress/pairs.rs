@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use trisect_catalog::{Entry, Finder, Kernels};
-use trisect_core::{Culling, Float, FloatFormat, Hit, Precision, Ray, Scalar, Triangle, Vec3};
+use trisect_core::{Float, FloatFormat, Hit, Precision, Ray, Scalar, Triangle, Vec3};
+use trisect_method::Culling;
 use trisect_oracle::{Class, Condition, Oracle, Truth};
 use trisect_workloads::Stress;
 

@@ -7,7 +7,8 @@ use rand::seq::SliceRandom as _;
 use rand_pcg::Pcg64;
 use rayon::ThreadPool;
 use trisect_catalog::{Builder, Entry, Leaves, Statistics, Tracing, Tree};
-use trisect_core::{FloatFormat, Output, UnsuitableMesh};
+use trisect_core::FloatFormat;
+use trisect_method::{Output, UnsuitableMesh};
 use trisect_workloads::{Mesh, RayClass};
 
 use super::Tracer;

@@ -7,7 +7,7 @@ use rand::seq::SliceRandom as _;
 use rand_pcg::Pcg64;
 use rayon::ThreadPool;
 use trisect_catalog::{Tracing, Tree, TriangleHit};
-use trisect_core::Culling;
+use trisect_method::Culling;
 
 use super::measure::Resident;
 use super::rays::ClassOfRays;

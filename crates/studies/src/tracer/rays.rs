@@ -1,7 +1,8 @@
 //! The classes of rays that a scene is traced with.
 
 use trisect_catalog::{Builder, Tracing};
-use trisect_core::{Culling, Ray};
+use trisect_core::Ray;
+use trisect_method::Culling;
 use trisect_workloads::{Mesh, RayClass};
 
 use crate::kernels::reference;

@@ -1,8 +1,8 @@
 //! Records that were never measured: four methods with plausible numbers, from a fixed formula.
 
-use trisect_core::{
-    Arrangement, FloatFormat, Form, Input, InstructionSet, MultiplyAdd, Output, ReciprocalKind,
-};
+use trisect_core::{FloatFormat, InstructionSet, MultiplyAdd};
+use trisect_kernels::Arrangement;
+use trisect_method::{Form, Input, Output, ReciprocalKind};
 use trisect_studies::comparison::{
     Agreement, ClassCount, Decisions, Error, Family, MethodCount, MethodFacts, PartCost,
     Preparation, Quantiles, Throughput, Workload,

@@ -3,7 +3,8 @@
 use std::sync::LazyLock;
 
 use serde::Deserialize;
-use trisect_core::{Culling, FloatFormat, Hit, Ray, Triangle, Vec3};
+use trisect_core::{FloatFormat, Hit, Ray, Triangle, Vec3};
+use trisect_method::Culling;
 use trisect_workloads::{Aim, Placement, Surface};
 
 use super::scenes::{Golden, Scene, Wanted, made, sized};

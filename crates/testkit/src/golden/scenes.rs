@@ -1,6 +1,7 @@
 //! The scenes of the cases: rays, triangles, and what must come of each ray.
 
-use trisect_core::{Culling, Float, FloatFormat, Hit, Ray, Scalar, Triangle, Vec3};
+use trisect_core::{Float, FloatFormat, Hit, Ray, Scalar, Triangle, Vec3};
+use trisect_method::Culling;
 use trisect_workloads::{Placement, Stream, Surface};
 
 use super::cases::{Each, Make, Target};

@@ -129,7 +129,7 @@ pub(super) fn plain(table: &str) -> BTreeSet<[String; 3]> {
 
 #[cfg(test)]
 mod tests {
-    use trisect_core::Form;
+    use trisect_method::Form;
 
     use super::*;
 

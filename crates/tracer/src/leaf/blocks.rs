@@ -1,7 +1,8 @@
 //! The triangles of a tree, prepared for a method.
 
 use prefetch_index::prefetch_index;
-use trisect_core::{Method, Of, Record as _, Triangle, rows};
+use trisect_core::Triangle;
+use trisect_method::{Method, Of, Record as _, rows};
 
 use crate::bvh::builders::members::Members;
 use crate::parallel::each;

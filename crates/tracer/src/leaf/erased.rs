@@ -4,9 +4,8 @@ use std::hint::select_unpredictable;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use trisect_core::{
-    Culling, ExactMethod, Lanes, Method, Refine, Token as _, Triangle, UnsuitableMesh,
-};
+use trisect_core::{Lanes, Token as _, Triangle};
+use trisect_method::{Culling, ExactMethod, Method, Refine, UnsuitableMesh};
 
 use super::blocks::Blocks;
 use super::exact::Exactly;

@@ -7,9 +7,9 @@
 use std::hint::select_unpredictable;
 use std::ops::Range;
 
-use trisect_core::{
-    Culling, DecisionOnly, Deferred, ExactMethod, Hit, Interval, Lanes, Of, Ray, Screened,
-    Triangle, TrueDivision, Vec3,
+use trisect_core::{Hit, Lanes, Ray, Triangle, Vec3};
+use trisect_method::{
+    Culling, DecisionOnly, Deferred, ExactMethod, Interval, Of, Screened, TrueDivision,
 };
 
 use super::blocks::{Blocks, slot};

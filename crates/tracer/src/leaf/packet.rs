@@ -3,7 +3,8 @@
 
 use std::ops::Range;
 
-use trisect_core::{Culling, Hit, Interval, Lanes, Method, Record as _};
+use trisect_core::{Hit, Lanes};
+use trisect_method::{Culling, Interval, Method, Record as _};
 
 use super::blocks::Blocks;
 use super::pairs::test;

@@ -1,8 +1,8 @@
 //! The test of pairs in a leaf, in the form that suits the query.
 
-use trisect_core::{
-    Culling, DecisionOnly, Deferred, Division, Early, Hit, Interval, Lanes, Method, Of,
-    TrueDivision,
+use trisect_core::{Hit, Lanes};
+use trisect_method::{
+    Culling, DecisionOnly, Deferred, Division, Early, Interval, Method, Of, TrueDivision,
 };
 
 use crate::query::Query;

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use trisect_core::{Culling, Interval, Lanes, Method, Of};
+use trisect_core::Lanes;
+use trisect_method::{Culling, Interval, Method, Of};
 
 use super::blocks::{Block, Blocks};
 use crate::hit::TriangleHit;

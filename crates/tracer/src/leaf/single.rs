@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use trisect_core::{Culling, Hit, Interval, Lanes, Method, Of, Ray, Record};
+use trisect_core::{Hit, Lanes, Ray};
+use trisect_method::{Culling, Interval, Method, Of, Record};
 
 use super::blocks::Blocks;
 use super::packet;

@@ -2,7 +2,8 @@
 //! computed for as many rays at a time as there are lanes.
 
 use prefetch_index::prefetch_index;
-use trisect_core::{Interval, Lanes, Ray, Vec3};
+use trisect_core::{Lanes, Ray, Vec3};
+use trisect_method::Interval;
 
 use super::slabs::Slabs;
 use crate::bvh::bounds::Bounds;

@@ -6,7 +6,8 @@
 //! [`Robust`](crate::query::Robust) tests never leave out a box that a ray meets within its interval: proved in
 //! `docs/derivations/exact.md`.
 
-use trisect_core::{Interval, Lanes, Ray, Vec3};
+use trisect_core::{Lanes, Ray, Vec3};
+use trisect_method::Interval;
 
 use crate::bvh::bounds::LARGEST;
 use crate::query::{Boxes, Robust};

@@ -4,7 +4,8 @@
 
 use std::ops::Range;
 
-use trisect_core::{Culling, Interval, Ray};
+use trisect_core::Ray;
+use trisect_method::{Culling, Interval};
 
 use super::single::descend;
 use super::stack::{self, Stack};

@@ -1,9 +1,9 @@
 //! What the tests of the tracer share.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses some of it")]
 
-use trisect_core::{
-    Culling, Deferred, Method, PADDING, PreparedTriangles, Ray, Triangle, TrueDivision, one_ray,
-};
+use trisect_core::{Ray, Triangle};
+use trisect_kernels::{PADDING, PreparedTriangles, one_ray};
+use trisect_method::{Culling, Deferred, Method, TrueDivision};
 use trisect_tracer::{Builder, Bvh, Tracing, Tree, TriangleHit};
 use trisect_workloads::Mesh;
 

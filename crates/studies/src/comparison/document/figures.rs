@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use crate::comparison::record::Family;
 use crate::record::Variant;
 use trisect_core::FloatFormat::{self, F32, F64};
-use trisect_core::{Form, InstructionSet};
+use trisect_core::InstructionSet;
+use trisect_method::Form;
 
 use super::summary::{Plane as Variants, plane};
 use super::view::{BASELINE, View, finish_label, lanes_label, need_in_prose};

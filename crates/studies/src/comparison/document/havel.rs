@@ -2,9 +2,10 @@
 
 use crate::comparison::record::Family;
 use crate::record::Variant;
-use trisect_core::Arrangement::{self, CommonOrigin, OneRay, OneTriangle};
 use trisect_core::FloatFormat::{F32, F64};
-use trisect_core::{Form, Input, MultiplyAdd, Output};
+use trisect_core::MultiplyAdd;
+use trisect_kernels::Arrangement::{self, CommonOrigin, OneRay, OneTriangle};
+use trisect_method::{Form, Input, Output};
 
 use super::view::{View, lanes_label};
 use trisect_report::document::Section;

@@ -1,10 +1,10 @@
 //! What kernels gain by leaving out what is not asked for, from the comparison alone.
 
 use crate::record::Variant;
-use trisect_core::Arrangement::OneRay;
 use trisect_core::FloatFormat::F32;
 use trisect_core::MultiplyAdd::Fused;
-use trisect_core::{Form, Output, ReciprocalKind};
+use trisect_kernels::Arrangement::OneRay;
+use trisect_method::{Form, Output, ReciprocalKind};
 
 use super::view::View;
 use trisect_report::document::{Section, Shown};

@@ -2,7 +2,7 @@
 
 use crate::record::{Records, Variant};
 use serde::Serialize;
-use trisect_core::Output;
+use trisect_method::Output;
 
 use super::view::{View, label};
 use trisect_report::document::{Content, Document, Section};

@@ -3,7 +3,7 @@
 use crate::comparison::record::{Agreement, MethodFacts, PartCost, Refusal, Workload};
 use crate::record::{Records, Variant};
 use trisect_core::FloatFormat::{self, F32, F64};
-use trisect_core::Output;
+use trisect_method::Output;
 
 use super::summary::{FrontPoint, MethodRow, PrecisionRow, Summary, Winner, of_view};
 use super::view::{BASELINE, View, finish_label, lanes_label, need_in_prose};

@@ -3,7 +3,9 @@
 use crate::comparison::record::Quantiles;
 use crate::record::{Header, Records, Variant};
 use serde::Serialize;
-use trisect_core::{Arrangement, FloatFormat, Output};
+use trisect_core::FloatFormat;
+use trisect_kernels::Arrangement;
+use trisect_method::Output;
 
 use super::view::{BASELINE, View};
 use trisect_report::format::mtests;

@@ -6,7 +6,8 @@ use crate::comparison::record::{
     Cracks, Decisions, Error, Family, MethodFacts, Preparation, Quantiles, Throughput, Workload,
 };
 use crate::record::{LineKind, Records, Variant};
-use trisect_core::{FloatFormat, MultiplyAdd, Output, ReciprocalKind};
+use trisect_core::{FloatFormat, MultiplyAdd};
+use trisect_method::{Output, ReciprocalKind};
 
 use trisect_report::figure::Look;
 use trisect_report::stats::{geometric_mean, median, ns_per_test};

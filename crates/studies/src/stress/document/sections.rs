@@ -3,7 +3,7 @@
 use crate::record::Records;
 use crate::stress::record::Stages;
 use trisect_core::FloatFormat::{F32, F64};
-use trisect_core::Output;
+use trisect_method::Output;
 
 use super::exact::{EXACTNESS, STAGES, stages};
 use super::summary::{StressRow, StressSummary, of_view};

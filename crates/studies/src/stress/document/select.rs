@@ -2,7 +2,8 @@
 
 use crate::record::Variant;
 use crate::stress::record::{StressFamily, StressLevel};
-use trisect_core::{FloatFormat, Form, MultiplyAdd};
+use trisect_core::{FloatFormat, MultiplyAdd};
+use trisect_method::Form;
 
 use crate::comparison::document::view::View;
 use crate::lines::distinct;

@@ -6,7 +6,7 @@ use crate::stress::record::{
 };
 use serde::Serialize;
 use trisect_core::FloatFormat::{self, F32, F64};
-use trisect_core::Form;
+use trisect_method::Form;
 
 use super::exact::{ExactnessSummary, exactness_summary};
 use super::select::{BEYOND, division, families, pairs, stands_for};

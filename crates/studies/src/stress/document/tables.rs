@@ -8,7 +8,7 @@ use crate::stress::record::{
     SurfaceCracks,
 };
 use trisect_core::FloatFormat::{self, F32, F64};
-use trisect_core::Form;
+use trisect_method::Form;
 
 use super::select::{
     ENDLESS, division, families, family_names, far, first_failure, level_text, magnitude, pairs,

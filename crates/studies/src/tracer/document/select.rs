@@ -1,7 +1,7 @@
 //! What of a record is traced, and how fast.
 
 use crate::tracer::record::{Contest, Traced, TreeBuilt};
-use trisect_core::Output;
+use trisect_method::Output;
 
 use crate::comparison::document::view::{BASELINE, View};
 use crate::lines::distinct;

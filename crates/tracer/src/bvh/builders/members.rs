@@ -1,6 +1,7 @@
 //! What is in the blocks of a tree.
 
-use trisect_core::{Method, Triangle, UnsuitableMesh};
+use trisect_core::Triangle;
+use trisect_method::{Method, UnsuitableMesh};
 
 use super::settings::Leaves;
 use crate::parallel::each;

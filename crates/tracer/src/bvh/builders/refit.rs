@@ -1,6 +1,7 @@
 //! The same tree over a mesh that has moved.
 
-use trisect_core::{Triangle, UnsuitableMesh};
+use trisect_core::Triangle;
+use trisect_method::UnsuitableMesh;
 
 use super::corners::Corners;
 use super::members::{Kinds, Members, PLACES, blocks as pack};

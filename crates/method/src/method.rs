@@ -6,11 +6,11 @@ use core::fmt;
 use std::sync::Arc;
 
 use crate::division::{Culling, Division, Interval};
-use crate::geometry::{Hit, Ray, Triangle, Vec3};
 use crate::info::MethodInfo;
-use crate::lanes::{Lanes, Scalar};
 use crate::record::{Of, Record, Value};
 use crate::weights::{Alpha, Implied};
+use trisect_core::{Hit, Ray, Triangle, Vec3};
+use trisect_core::{Lanes, Scalar};
 
 /// Where a line meets a plane, before division: `t = t/det`, `beta = beta/det`,
 /// `gamma = gamma/det`. `det = 0` where the ray is parallel to the plane.

@@ -4,12 +4,12 @@
     reason = "the call of a reference to a closure, `&mut found`, would stay out of line"
 )]
 
-use crate::division::{Culling, Division, Interval};
-use crate::geometry::{Hit, Ray};
-use crate::lanes::Lanes;
-use crate::method::{Method, RayParts};
 use crate::prepared::{BLOCK, Packet, Packets, PreparedTriangles, turning_axis};
-use crate::record::{Of, Record};
+use trisect_core::Lanes;
+use trisect_core::{Hit, Ray};
+use trisect_method::{Culling, Division, Interval};
+use trisect_method::{Method, RayParts};
+use trisect_method::{Of, Record};
 
 /// Packets that are tested against a triangle while what they share is at hand.
 const BUNDLE: usize = 16;

@@ -1,6 +1,6 @@
 //! The weight of corner `A`: computed, or implied by the two others.
 
-use crate::lanes::{Lanes, Scalar};
+use trisect_core::{Lanes, Scalar};
 
 /// How a method knows the weight of corner `A`, and so whether a point is inside.
 pub trait Alpha<L: Lanes>: Copy {

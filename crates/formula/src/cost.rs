@@ -1,10 +1,10 @@
 //! What a method costs, counted from the very formula that runs.
 
 use crate::counting::{Counting, Ops, counted};
-use crate::division::{Culling, Deferred, Division, Early, Interval, TrueDivision};
-use crate::geometry::{Ray, Triangle, Vec3};
-use crate::method::Method;
-use crate::record::{Of, Record};
+use trisect_core::{Ray, Triangle, Vec3};
+use trisect_method::Method;
+use trisect_method::{Culling, Deferred, Division, Early, Interval, TrueDivision};
+use trisect_method::{Of, Record};
 
 /// Operations of each part of a method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

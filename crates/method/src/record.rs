@@ -19,7 +19,7 @@ pub trait Record: 'static {
     /// Applies `f` to each pair of numbers at the same place, in order of declaration.
     fn zip<X: Value, Y: Value>(to: &mut Self::Of<X>, from: &Self::Of<Y>, f: impl FnMut(&mut X, &Y));
     /// The record with axis `w` of each vector renamed to the last, see
-    /// [`Vec3::with_axis_last`](crate::Vec3::with_axis_last).
+    /// [`Vec3::with_axis_last`](trisect_core::Vec3::with_axis_last).
     fn with_axis_last<X: Value>(from: &Self::Of<X>, w: usize) -> Self::Of<X>;
 }
 
@@ -88,7 +88,7 @@ pub type Of<R, X> = <R as Record>::Of<X>;
 #[allow(non_camel_case_types, reason = "named as the macro's fields are written")]
 pub mod field {
     /// Three numbers.
-    pub type vec3<X> = crate::geometry::Vec3<X>;
+    pub type vec3<X> = trisect_core::Vec3<X>;
     /// One number.
     pub type number<X> = X;
 }
@@ -97,7 +97,7 @@ pub mod field {
 /// [`Record`](trait@crate::Record). Each field is a `vec3` or a `number`.
 ///
 /// ```
-/// trisect_core::record! {
+/// trisect_method::record! {
 ///     /// A plane `normal · p = distance`.
 ///     pub struct Plane {
 ///         /// Normal.
@@ -106,7 +106,7 @@ pub mod field {
 ///         distance: number,
 ///     }
 /// }
-/// # use trisect_core::Record;
+/// # use trisect_method::Record;
 /// assert_eq!(<Plane<()> as Record>::NUMBERS, 4);
 /// ```
 #[macro_export]
@@ -155,7 +155,7 @@ macro_rules! record {
     (@count vec3) => { 3 };
     (@count number) => { 1 };
     (@map vec3 $from:expr, $f:ident) => {
-        $crate::Vec3 { x: $f(&$from.x), y: $f(&$from.y), z: $f(&$from.z) }
+        $crate::core::Vec3 { x: $f(&$from.x), y: $f(&$from.y), z: $f(&$from.z) }
     };
     (@map number $from:expr, $f:ident) => { $f(&$from) };
     (@zip vec3 $to:expr, $from:expr, $f:ident) => {

@@ -1,11 +1,11 @@
 //! What a caller asks of a hit. A kernel computes what is asked and nothing else.
 
 use crate::division::{DecisionOnly, Division};
-use crate::geometry::{Hit, Ray};
 use crate::info::Output;
-use crate::lanes::Lanes;
 use crate::method::Method;
 use crate::record::Of;
+use trisect_core::Lanes;
+use trisect_core::{Hit, Ray};
 
 /// What a caller asks of a hit.
 pub trait Needs: 'static {

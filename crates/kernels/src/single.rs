@@ -1,11 +1,11 @@
 //! One ray against one triangle, for who has no more than that.
 
-use crate::division::{Culling, Deferred, Division, Early, Interval, TrueDivision};
-use crate::geometry::{Hit, Ray, Triangle};
-use crate::lanes::Scalar;
-use crate::method::Method;
 use crate::prepared::turning_axis;
-use crate::record::{Of, Record as _};
+use trisect_core::Scalar;
+use trisect_core::{Hit, Ray, Triangle};
+use trisect_method::Method;
+use trisect_method::{Culling, Deferred, Division, Early, Interval, TrueDivision};
+use trisect_method::{Of, Record as _};
 
 /// Where `ray` meets `triangle`, seen from either side, decided with the deferred division where the
 /// method has it. Prepares the triangle for the one test: for many tests see

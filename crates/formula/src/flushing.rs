@@ -3,8 +3,7 @@
 use core::cmp::Ordering;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::geometry::Triangle;
-use crate::lanes::Scalar;
+use trisect_core::Scalar;
 
 /// An f32 as a processor computes with it in the modes "flush to zero" and "denormals are zero"
 /// (Intel 64 and IA-32 Architectures Software Developer's Manual, volume 1, sections 10.2.3.3 and
@@ -60,7 +59,7 @@ impl PartialOrd for Flushing {
     }
 }
 
-crate::single_lane!(Flushing {
+trisect_core::single_lane!(Flushing {
     #[inline(always)]
     fn reciprocal_estimate(self) -> Self {
         Self(1.0) / self
@@ -89,8 +88,8 @@ impl Scalar for Flushing {
     fn smallest_det() -> Self {
         Self(f32::smallest_det())
     }
-    fn are_collinear(triangle: &Triangle<Self>) -> bool {
-        f32::are_collinear(&triangle.map(|x| flushed(x.0)))
+    fn are_collinear(points: [[Self; 3]; 3]) -> bool {
+        f32::are_collinear(points.map(|point| point.map(|x| flushed(x.0))))
     }
     #[inline(always)]
     fn unit_roundoff() -> Self {

@@ -3,10 +3,10 @@
 
 use core::ops::Range;
 
-use crate::geometry::{Ray, Triangle, Vec3};
-use crate::lanes::{Lanes, Scalar};
-use crate::method::{Method, UnsuitableMesh};
-use crate::record::{Of, Record, Value, rows};
+use trisect_core::{Lanes, Scalar};
+use trisect_core::{Ray, Triangle, Vec3};
+use trisect_method::{Method, UnsuitableMesh};
+use trisect_method::{Of, Record, Value, rows};
 
 /// Triangles in a block and rays in a packet.
 pub const BLOCK: usize = 16;

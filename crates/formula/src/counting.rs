@@ -4,7 +4,7 @@ use core::cell::Cell;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use crate::lanes::Scalar;
+use trisect_core::Scalar;
 
 /// How often each operation was done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -144,7 +144,7 @@ impl PartialOrd for Counting {
     }
 }
 
-crate::single_lane!(Counting {
+trisect_core::single_lane!(Counting {
     fn reciprocal_estimate(self) -> Self {
         Self::data(1.0) / self
     }
@@ -169,7 +169,7 @@ impl Scalar for Counting {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Lanes, Number as _};
+    use trisect_core::{Lanes, Number as _};
 
     use super::*;
 

@@ -2,12 +2,12 @@
 //! whether to leave early. All of it is type parameters of one function, so that what is not
 //! used costs nothing.
 
-use crate::geometry::{Hit, Ray};
-use crate::lanes::{Lanes, Scalar};
+use crate::form::{Form, ReciprocalKind};
 use crate::method::{Homogeneous, Method};
 use crate::record::Of;
-use crate::variant::{Form, ReciprocalKind};
 use crate::weights::Alpha as _;
+use trisect_core::{Hit, Ray};
+use trisect_core::{Lanes, Scalar};
 
 /// The values of `t` that count as hits: `tmin ≤ t ≤ tmax`.
 #[derive(Clone, Copy, Debug)]

@@ -1,10 +1,10 @@
 //! Where the constants of stored linear functions are measured from: the world's origin, as the
 //! papers have it, or a corner of the triangle.
 
-use crate::geometry::Vec3;
-use crate::lanes::{Lanes, Scalar};
 use crate::record;
 use crate::record::{Of, Record};
+use trisect_core::Vec3;
+use trisect_core::{Lanes, Scalar};
 
 record! {
     /// The values at the world's origin of the three functions of a triangle.

@@ -1,7 +1,7 @@
 //! Facts about a method, for lists, pages and records.
 
-use crate::named::named;
-use crate::variant::Form;
+use crate::form::Form;
+use trisect_core::named;
 
 /// Facts about a method, for lists, pages and records.
 ///

@@ -1,8 +1,8 @@
 //! Triangles as they are given: what methods store that prepare nothing, or little.
 
-use crate::geometry::{Triangle, Vec3};
-use crate::lanes::Scalar;
 use crate::record;
+use trisect_core::Scalar;
+use trisect_core::{Triangle, Vec3};
 
 record! {
     /// The three points of a triangle.
@@ -30,7 +30,7 @@ impl<X: Copy> Corners<X> {
     #[inline(always)]
     pub fn edges(&self) -> (Vec3<X>, Vec3<X>)
     where
-        X: crate::Number,
+        X: trisect_core::Number,
     {
         (self.b - self.a, self.c - self.a)
     }
@@ -39,7 +39,7 @@ impl<X: Copy> Corners<X> {
     #[inline(always)]
     pub fn normal(&self) -> Vec3<X>
     where
-        X: crate::Number,
+        X: trisect_core::Number,
     {
         let (e1, e2) = self.edges();
         e1.cross(e2)

@@ -4,12 +4,12 @@
 use core::marker::PhantomData;
 
 use crate::frame::{Frame, Function};
-use crate::geometry::{Ray, Triangle, Vec3};
-use crate::lanes::{Lanes, Scalar};
 use crate::method::{Homogeneous, Quotients};
 use crate::record;
 use crate::record::Of;
 use crate::weights::Implied;
+use trisect_core::{Lanes, Scalar};
+use trisect_core::{Ray, Triangle, Vec3};
 
 /// A formula that meets the plane first and finds `beta` and `gamma` as linear functions of the
 /// point there.
