@@ -45,21 +45,17 @@ pub(crate) trait Traced: Send + Sync {
     /// Both, to be changed.
     fn parts(&mut self) -> (&mut WideTree, &mut dyn ErasedLeaves);
 
-    /// Finds the nearest hits of rays, with both faces seen, in a loop that is compiled for the method. Whether there
-    /// is such a loop for this processor.
+    /// Finds the nearest hits of rays, with both faces seen, in a loop that is compiled for the method; whether there
+    /// is one, for this processor.
     fn closest_in_loop(
         &self,
-        _rays: &[Ray<f32>],
-        _order: &Order,
-        _found: &mut [Option<TriangleHit>],
-    ) -> bool {
-        false
-    }
+        rays: &[Ray<f32>],
+        order: &Order,
+        found: &mut [Option<TriangleHit>],
+    ) -> bool;
 
     /// The same for any hits.
-    fn any_in_loop(&self, _rays: &[Ray<f32>], _order: &Order, _found: &mut [bool]) -> bool {
-        false
-    }
+    fn any_in_loop(&self, rays: &[Ray<f32>], order: &Order, found: &mut [bool]) -> bool;
 }
 
 /// The nearest hit, in plain arithmetic.

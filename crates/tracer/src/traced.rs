@@ -10,7 +10,7 @@ use crate::dispatch::Traced;
 use crate::hit::TriangleHit;
 use crate::lanes::on_fast_lanes;
 use crate::leaf::blocks::Blocks;
-use crate::leaf::erased::{Erase, ErasedLeaves, MethodLeaves, Tester};
+use crate::leaf::erased::{ErasedLeaves, MethodLeaves, Tester};
 use crate::leaf::exact::Exactly;
 use crate::leaf::query::{Hits, LeafQuery, Queries};
 use crate::leaf::single::{AtLeaf, Rounded, test_ray};
@@ -20,35 +20,45 @@ use crate::rays::reorder::Order;
 use crate::traverse::target::Target;
 use crate::traverse::trace::Trace;
 
-/// See [`in_loop`].
-struct InLoop<M: Method, K> {
+/// A tree with the leaves of a method, whose test is in the loops of the tree or behind calls.
+struct TreeOf<M: Method, K, const IN_LOOP: bool> {
     tree: WideTree,
     leaves: MethodLeaves<M, K>,
 }
 
-/// A tree with a method's test in its loops.
-pub(crate) fn in_loop<M: Method>(tree: WideTree, blocks: Blocks<M>) -> Box<dyn Traced> {
-    M::refine(PutInLoop(tree, blocks))
+/// A tree with the leaves of a method.
+pub(crate) fn traced<M: Method, const IN_LOOP: bool>(
+    tree: WideTree,
+    blocks: Blocks<M>,
+) -> Box<dyn Traced> {
+    M::refine(Parts::<M, IN_LOOP>(tree, blocks))
 }
 
-struct PutInLoop<M: Method>(WideTree, Blocks<M>);
+struct Parts<M: Method, const IN_LOOP: bool>(WideTree, Blocks<M>);
 
-impl<M: Method> Refine<M> for PutInLoop<M> {
+impl<M: Method, const IN_LOOP: bool> Parts<M, IN_LOOP> {
+    fn put<K: Queries<M>>(self) -> Box<dyn Traced> {
+        let Self(tree, blocks) = self;
+        Box::new(TreeOf::<M, K, IN_LOOP> { tree, leaves: MethodLeaves::new(blocks) })
+    }
+}
+
+impl<M: Method, const IN_LOOP: bool> Refine<M> for Parts<M, IN_LOOP> {
     type Output = Box<dyn Traced>;
 
     fn rounded(self) -> Box<dyn Traced> {
-        Box::new(InLoop { tree: self.0, leaves: MethodLeaves::<M, Rounded>::new(self.1) })
+        self.put::<Rounded>()
     }
 
     fn exact(self) -> Box<dyn Traced>
     where
         M: ExactMethod,
     {
-        Box::new(InLoop { tree: self.0, leaves: MethodLeaves::<M, Exactly>::new(self.1) })
+        self.put::<Exactly>()
     }
 }
 
-impl<M: Method, K: Queries<M>> InLoop<M, K> {
+impl<M: Method, K: Queries<M>, const IN_LOOP: bool> TreeOf<M, K, IN_LOOP> {
     fn trace<Q: LeafQuery<M>>(
         &self,
         query: Q,
@@ -56,11 +66,16 @@ impl<M: Method, K: Queries<M>> InLoop<M, K> {
         order: &Order,
         found: &mut [Q::Output],
     ) -> bool {
-        on_fast_lanes(Trace { target: self, seed: (), query, rays, order, found }).is_some()
+        // What is not in the loops is not compiled either.
+        if const { IN_LOOP } {
+            on_fast_lanes(Trace { target: self, seed: (), query, rays, order, found }).is_some()
+        } else {
+            false
+        }
     }
 }
 
-impl<M: Method, K: Queries<M>> Traced for InLoop<M, K> {
+impl<M: Method, K: Queries<M>, const IN_LOOP: bool> Traced for TreeOf<M, K, IN_LOOP> {
     fn tree(&self) -> &WideTree {
         &self.tree
     }
@@ -89,7 +104,7 @@ impl<M: Method, K: Queries<M>> Traced for InLoop<M, K> {
 
 /// The tree itself, not a pair of nodes and leaves: what is behind one pointer is at hand in a register, which is
 /// worth a tenth.
-impl<'a, M, K, Q> Target<'a, Q> for &'a InLoop<M, K>
+impl<'a, M, K, Q, const IN_LOOP: bool> Target<'a, Q> for &'a TreeOf<M, K, IN_LOOP>
 where
     M: Method,
     K: Queries<M>,
@@ -142,30 +157,5 @@ where
     #[inline(always)]
     fn packets<L: Lanes<Elem = f32>>(self, token: L::Token, query: Q, (): ()) -> Self::Packets<L> {
         Tester::new(&self.leaves.blocks, token, query)
-    }
-}
-
-/// See [`behind_calls`].
-struct BehindCalls {
-    tree: WideTree,
-    leaves: Box<dyn ErasedLeaves>,
-}
-
-/// A tree with its leaves behind calls.
-pub(crate) fn behind_calls<M: Method>(tree: WideTree, blocks: Blocks<M>) -> Box<dyn Traced> {
-    Box::new(BehindCalls { tree, leaves: M::refine(Erase(blocks)) })
-}
-
-impl Traced for BehindCalls {
-    fn tree(&self) -> &WideTree {
-        &self.tree
-    }
-
-    fn leaves(&self) -> &dyn ErasedLeaves {
-        &*self.leaves
-    }
-
-    fn parts(&mut self) -> (&mut WideTree, &mut dyn ErasedLeaves) {
-        (&mut self.tree, &mut *self.leaves)
     }
 }

@@ -8,13 +8,13 @@ use trisect_method::{Culling, Method, UnsuitableMesh};
 use crate::bvh::builders::members::Kinds;
 use crate::bvh::builders::settings::{Builder, Leaves};
 use crate::bvh::builders::{self, RefitError};
-use crate::bvh::wide::{Statistics, WideTree};
+use crate::bvh::wide::Statistics;
 use crate::dispatch::{self, Traced, Tracing};
 use crate::hit::TriangleHit;
 use crate::lanes::PlainLanes;
 use crate::leaf::blocks::Blocks;
 use crate::query::HasClosest;
-use crate::traced::{behind_calls, in_loop};
+use crate::traced;
 use crate::traverse::inspect::{self, Counted};
 use crate::vectors::WIDTH;
 
@@ -102,8 +102,8 @@ impl<M: Method> Bvh<M> {
         builder: Builder,
         leaves: Leaves,
     ) -> Result<Self, UnsuitableMesh> {
-        let (tree, blocks) = parts::<M>(triangles, builder, leaves)?;
-        Ok(Self { traced: in_loop(tree, blocks), method: PhantomData })
+        let traced = traced::<M, true>(triangles, builder, leaves)?;
+        Ok(Self { traced, method: PhantomData })
     }
 
     /// Fits the tree to triangles that have moved since it was built: prepares them anew and computes
@@ -148,8 +148,7 @@ impl ErasedBvh {
         builder: Builder,
         leaves: Leaves,
     ) -> Result<Self, UnsuitableMesh> {
-        let (tree, blocks) = parts::<M>(triangles, builder, leaves)?;
-        Ok(Self { traced: behind_calls(tree, blocks) })
+        Ok(Self { traced: traced::<M, false>(triangles, builder, leaves)? })
     }
 
     /// As [`Bvh::refit`].
@@ -175,16 +174,16 @@ impl<M: Method> ScalarBvh<M> {
     }
 }
 
-/// The nodes of a tree, and what is in its leaves.
-fn parts<M: Method>(
+/// Builds a tree.
+fn traced<M: Method, const IN_LOOP: bool>(
     triangles: &[Triangle<f32>],
     builder: Builder,
     leaves: Leaves,
-) -> Result<(WideTree, Blocks<M>), UnsuitableMesh> {
+) -> Result<Box<dyn Traced>, UnsuitableMesh> {
     let kinds = Kinds::new::<M>(triangles)?;
     let is_robust = M::INFO.claims.watertight;
     let (tree, members) = builders::build(triangles, builder, leaves, &kinds, is_robust);
-    Ok((tree, Blocks::new(triangles, &members)))
+    Ok(traced::traced::<M, IN_LOOP>(tree, Blocks::new(triangles, &members)))
 }
 
 /// As [`Bvh::refit`].

@@ -1,16 +1,15 @@
-//! Leaves behind a call: whoever goes through the nodes of a tree does not know the method, and is compiled once.
+//! Leaves behind a call: what goes through the nodes of a tree does not know the method, and is compiled once.
 
 use std::hint::select_unpredictable;
 use std::marker::PhantomData;
 use std::ops::Range;
 
 use trisect_core::{Lanes, Token as _, Triangle};
-use trisect_method::{Culling, ExactMethod, Method, Refine, UnsuitableMesh};
+use trisect_method::{Culling, Method, UnsuitableMesh};
 
 use super::blocks::Blocks;
-use super::exact::Exactly;
 use super::query::{Hits, LeafQuery, Queries};
-use super::single::{AtLeaf, Rounded, test_ray};
+use super::single::{AtLeaf, test_ray};
 use crate::bvh::builders::members::{Kinds, Members};
 use crate::hit::TriangleHit;
 use crate::lanes::{Job, PlainLanes, on_fast_lanes};
@@ -217,23 +216,5 @@ impl<M: Method, Q: LeafQuery<M>> Job for WithTester<'_, M, Q> {
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
         let Self { blocks, query, with } = self;
         with(&mut Tester::<M, L, Q>::new(blocks, token, query));
-    }
-}
-
-/// Puts the leaves of a method behind calls.
-pub(crate) struct Erase<M: Method>(pub(crate) Blocks<M>);
-
-impl<M: Method> Refine<M> for Erase<M> {
-    type Output = Box<dyn ErasedLeaves>;
-
-    fn rounded(self) -> Box<dyn ErasedLeaves> {
-        Box::new(MethodLeaves::<M, Rounded>::new(self.0))
-    }
-
-    fn exact(self) -> Box<dyn ErasedLeaves>
-    where
-        M: ExactMethod,
-    {
-        Box::new(MethodLeaves::<M, Exactly>::new(self.0))
     }
 }
