@@ -15,7 +15,12 @@ fn documents_show_what_trisect_prints() {
         .env("COLUMNS", "80")
         .timeout(trisect_testkit::process::STUCK)
         .case("*.md")
-        .case("docs/*.md");
+        .case("docs/*.md")
+        .case("benches/*.md")
+        .case("crates/*/*.md")
+        .case("data/*.md")
+        .case("fuzz/*.md")
+        .case("reports/*.md");
 }
 
 /// What documents take from a record is what `trisect report --splice` makes of it.
@@ -24,13 +29,13 @@ fn documents_are_spliced_from_their_record() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let folder = root.join("reports/2026-11-28-zen5");
     for (record, documents) in [
-        ("record.jsonl", &["README.md", "docs/HAVEL.md", "docs/NEEDS.md"][..]),
-        ("stress.jsonl", &["docs/STABILITY.md", "docs/CONTRACT.md"]),
-        ("study.jsonl", &["docs/TRACER.md"]),
-        ("pictures.jsonl", &["docs/PICTURES.md"]),
-        ("omissions.jsonl", &["docs/NEEDS.md"]),
+        ("record", &["docs/METHODS.md", "docs/HAVEL.md", "docs/NEEDS.md"][..]),
+        ("stress", &["docs/STABILITY.md", "docs/CONTRACT.md"]),
+        ("study", &["docs/TRACER.md"]),
+        ("pictures", &["docs/PICTURES.md"]),
+        ("omissions", &["docs/NEEDS.md"]),
     ] {
-        let file = std::fs::File::open(folder.join(record)).expect("the documents name it");
+        let file = std::fs::File::open(folder.join(format!("{record}.jsonl.gz"))).expect("the documents name it");
         let records = trisect_studies::read(std::io::BufReader::new(file)).expect("a sound record");
         for &document in documents {
             let text = std::fs::read_to_string(root.join(document)).expect("a document");

@@ -132,7 +132,7 @@ const BOUNDED: &str = r#"trap '' XFSZ; ulimit -f 128; exec "$0" "$@""#;
 
 /// A record whose figures are below that, and whose page is above.
 fn record() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../reports/2026-11-22-zen3/record.jsonl")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../reports/2026-11-22-zen3/record.jsonl.gz")
 }
 
 /// Every file with its content.

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
+use flate2::bufread::MultiGzDecoder;
+
 use crate::comparison::Comparison;
 use crate::record::{Parser, ReadError, Records};
 use crate::study::{Chapter, Study};
@@ -78,14 +80,21 @@ pub fn chapter_of(records: &Records) -> &'static Chapter {
     chapters().iter().find(says).or_else(|| studies.iter().find(is_of)).unwrap_or(comparison)
 }
 
-/// Reads a record of any study.
+/// The first bytes of a file that gzip has compressed.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+
+/// Reads a record of any study, plain or compressed by gzip.
 ///
 /// # Errors
 /// When the stream fails, or a line is not a record.
-pub fn read(from: impl BufRead) -> Result<Records, ReadError> {
+pub fn read(mut from: impl BufRead) -> Result<Records, ReadError> {
     let parsers: Vec<Parser> =
         chapters().iter().flat_map(|chapter| chapter.about.lines).copied().collect();
-    Records::read(from, &parsers)
+    if from.fill_buf()?.starts_with(&GZIP) {
+        Records::read(BufReader::new(MultiGzDecoder::new(from)), &parsers)
+    } else {
+        Records::read(from, &parsers)
+    }
 }
 
 /// Reads a record of any study by its path; a pipe will do.
