@@ -35,7 +35,8 @@ fn documents_are_spliced_from_their_record() {
         ("pictures", &["docs/PICTURES.md"]),
         ("omissions", &["docs/NEEDS.md"]),
     ] {
-        let file = std::fs::File::open(folder.join(format!("{record}.jsonl.gz"))).expect("the documents name it");
+        let file = std::fs::File::open(folder.join(format!("{record}.jsonl.gz")))
+            .expect("the documents name it");
         let records = trisect_studies::read(std::io::BufReader::new(file)).expect("a sound record");
         for &document in documents {
             let text = std::fs::read_to_string(root.join(document)).expect("a document");

@@ -17,6 +17,9 @@ pub enum Scale {
     Binary,
 }
 
+/// The largest end of an axis: the last decade of floats.
+const LARGEST: f64 = 1e308;
+
 /// An axis: its name, scale and ends.
 #[derive(Clone)]
 pub struct Axis {
@@ -63,6 +66,7 @@ impl Axis {
             Scale::Log => (low / 1.15, high * 1.15),
             Scale::Binary => (low / 1.3, high * 1.3),
         };
+        let high = high.min(LARGEST);
         Self { name: name.into(), scale, low, high, floor: zeros, gap: None, write }
     }
 
@@ -79,7 +83,7 @@ impl Axis {
             && above / below > 1e3
         {
             self.low = sorted[0] / 1.6;
-            self.high = sorted[sorted.len() - 1] * 1.6;
+            self.high = (sorted[sorted.len() - 1] * 1.6).min(LARGEST);
             self.gap = Some((below * 1.6, above / 1.6));
         }
         self
@@ -105,6 +109,7 @@ impl Axis {
             Scale::Linear => self.high += (self.high - self.low) * share,
             Scale::Log | Scale::Binary => self.high *= (self.high / self.low).powf(share),
         }
+        self.high = self.high.min(LARGEST);
         self
     }
 
@@ -156,6 +161,9 @@ impl Axis {
         match self.scale {
             Scale::Linear => {
                 let raw = (self.high - self.low) / count;
+                if !raw.is_normal() {
+                    return Vec::new();
+                }
                 let ten = 10f64.powf(raw.log10().floor());
                 let step =
                     [1.0, 2.0, 2.5, 5.0, 10.0].map(|m| m * ten).into_iter().find(|s| *s >= raw);

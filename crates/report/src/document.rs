@@ -1,8 +1,7 @@
 //! What a study says, however it is drawn: prose, findings, tables, figures and pictures.
 //!
-//! Four renderers draw a [`Document`], and know nothing of what it is about: [`terminal`](crate::terminal),
-//! [`markdown`](crate::markdown), [`html`](crate::html) and, for figures, [`svg`](crate::svg). Prose may hold
-//! `` `code` `` and `**strong**` text.
+//! Four renderers draw a [`Document`], and know nothing of what it is about: `terminal`, `markdown`, `html`
+//! and, for figures, `svg`. Prose may hold `` `code` `` and `**strong**` text.
 
 use serde::{Serialize, Serializer};
 

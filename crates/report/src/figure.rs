@@ -1,5 +1,5 @@
 //! What a figure shows: rows (bars, dots and spans by category), planes (points and lines in two
-//! dimensions) and maps (grids of cells). How it is drawn is the business of [`svg`](crate::svg).
+//! dimensions) and maps (grids of cells). How it is drawn is the business of `svg`.
 
 pub use crate::axis::{Axis, Scale};
 

@@ -168,3 +168,30 @@ fn as_figures() {
         }
     }
 }
+
+/// Numbers that no machine measures have places and ticks like all others.
+#[test]
+fn extreme_numbers_are_drawn() {
+    let extremes = [0.0, 1.0, -1.5, 9_007_199_254_740_992.0, 1e308, 5e-324];
+    let pairs = extremes.into_iter().flat_map(|a| extremes.map(|b| [a, b]));
+    for (values, scale) in
+        pairs.flat_map(|pair| [Scale::Linear, Scale::Log, Scale::Binary].map(|scale| (pair, scale)))
+    {
+        let axis = || Axis::over("size", scale, values, tick);
+        let series = vec![Series::line(Look::of(0), values.map(|x| (x, x)).into())];
+        let marks = values.map(Mark::Bar).into();
+        let row = Row { label: "row".into(), ink: Ink::Text, marks, note: "a note".into() };
+        let group = Group { heading: String::new(), rows: vec![row] };
+        let panels = vec![
+            Panel::plane("plane", axis(), axis(), 200, series),
+            Panel::rows("rows", axis(), Some(1.0), vec![group]),
+        ];
+        let section = Section::figure("extreme", "", "", Drawing::of(panels));
+        let document = Document { sections: vec![section], ..document() };
+        let page = html::draw(&document, &[]).expect("it is drawn");
+        for (name, svg) in page.figures {
+            let is_clean = [">NaN", "\"NaN", "inf<"].iter().all(|said| !svg.contains(said));
+            assert!(is_clean, "{name}: {values:?}: {svg}");
+        }
+    }
+}

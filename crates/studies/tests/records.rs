@@ -44,3 +44,22 @@ fn records_are_written_as_they_were_read() {
     }
     assert!(compared > 0, "none is of this schema");
 }
+
+/// A record is of the study that its header names; an older one of the study whose lines it holds.
+#[test]
+fn a_record_says_which_study_took_it() {
+    let header = r#"{"kind":"header","schema":7,"trisect":"0.1.0","command":"","started":"","seed":1,"rounds":1,"machine":{"cpu":"","logical_cpus":1,"instruction_sets":["sse4.2"],"platform":"","compiler":"","build":"","core_ghz":1.0}}"#;
+    let code = r#"{"kind":"code","of":"renderer","instances":1,"bytes":2,"of_bytes":3}"#;
+    let of = |text: &str| {
+        let records = trisect_studies::read(text.as_bytes()).expect("it is a record");
+        trisect_studies::chapter_of(&records).about.name
+    };
+    let named = header.replace(r#""schema":7"#, r#""schema":7,"study":"pictures""#);
+    assert_eq!(of(&named), "pictures");
+    assert_eq!(of(&format!("{named}\n{code}")), "pictures");
+    assert_eq!(of(header), "comparison");
+    assert_eq!(of(&format!("{header}\n{code}")), "omissions");
+    let unknown = trisect_studies::read(format!("{header}\n{{\"kind\":\"codes\"}}").as_bytes());
+    let error = unknown.expect_err("no study has such lines").to_string();
+    assert!(error.starts_with("line 2: no line is of the kind `codes`"), "{error}");
+}

@@ -29,7 +29,7 @@ pub struct Omission {
     pub layer: Layer,
     /// What is left out.
     pub part: String,
-    /// Name of the scene, or of the [`Workload`].
+    /// Name of the scene, or of the workload.
     pub scene: String,
     /// What is done with it: the form of the division, the class of rays, what is asked of a picture.
     pub of: String,

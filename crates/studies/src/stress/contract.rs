@@ -13,7 +13,7 @@ use trisect_method::{Culling, Form, ReciprocalKind};
 use trisect_oracle::{Class, Oracle};
 
 use super::Stability;
-use super::measure::{In, flushing_variant, weighs};
+use super::measure::{Compiled, flushing_variant, weighs};
 use super::record::{Clause, Contract, Outcome, SpecialValues};
 use crate::record::Line;
 use crate::study::Progress;
@@ -46,11 +46,8 @@ fn count(tally: &mut Tally, clause: Clause, tests: u64, violations: u64) {
 }
 
 /// Every finder, and every kernel, on scenes of hostile input, until there were so many tests.
-fn fuzz<E: Precision>(seed: u64, entry: &Entry, tests: u64) -> Vec<Line>
-where
-    Entry: In<E>,
-{
-    let kernels = In::<E>::kernels(entry);
+fn fuzz<E: Compiled>(seed: u64, entry: &Entry, tests: u64) -> Vec<Line> {
+    let kernels = E::kernels(entry);
     let finders: Vec<&Finder> =
         kernels.finders.iter().filter(|finder| finder.variant.is_available()).collect();
     let per_scene = (finders.len() + kernels.timed.len()) * SIDE * SIDE;

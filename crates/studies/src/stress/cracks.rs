@@ -4,12 +4,12 @@ use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 use trisect_catalog::{Entry, Finder};
-use trisect_core::{MultiplyAdd, Precision, Ray, Triangle, Vec3};
+use trisect_core::{MultiplyAdd, Ray, Triangle, Vec3};
 use trisect_method::{Culling, Form};
 use trisect_workloads::{Aim, Feature, Placement, Surface};
 
 use super::Stability;
-use super::measure::{In, finders};
+use super::measure::{Compiled, finders};
 use super::record::{Site, SurfaceCracks};
 use crate::record::Line;
 use crate::study::Progress;
@@ -71,15 +71,12 @@ pub(super) fn cracks(settings: &Stability, progress: &mut dyn Progress) -> Vec<L
     lines
 }
 
-fn of_precision<E: Precision>(
+fn of_precision<E: Compiled>(
     settings: &Stability,
     entry: &Entry,
     places: &[Place<'_>],
-) -> Vec<Line>
-where
-    Entry: In<E>,
-{
-    let kernels = In::<E>::kernels(entry);
+) -> Vec<Line> {
+    let kernels = E::kernels(entry);
     let finders = finders(kernels);
     let claimed = places.iter().filter(|place| place.is_claimed()).count() / OFFSETS.len() / 2;
     // The claim is about plain arithmetic and the deferred form.
@@ -109,18 +106,15 @@ where
 
 /// A ray is tested against the triangles that meet where it is aimed; where it hits none of them,
 /// against all.
-fn count<E: Precision>(
+fn count<E: Compiled>(
     seed: u64,
     entry: &Entry,
     finder: &Finder,
     place: &Place<'_>,
     triangles: &[Triangle<E>],
     rays: usize,
-) -> Site
-where
-    Entry: In<E>,
-{
-    let kernels = In::<E>::kernels(entry);
+) -> Site {
+    let kernels = E::kernels(entry);
     let each = rays.div_ceil(place.features.len());
     let around: Vec<(usize, Vec<Ray<E>>)> = place
         .features

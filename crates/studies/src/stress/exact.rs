@@ -8,14 +8,14 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use rayon::prelude::*;
 use trisect_catalog::{Builder, Entry, Finder, Tracing, TriangleHit, Variant};
-use trisect_core::{Float, FloatFormat, Hit, Precision, Ray, Triangle, Vec3};
+use trisect_core::{Float, FloatFormat, Hit, Ray, Triangle, Vec3};
 use trisect_method::Culling;
 use trisect_oracle::Oracle;
 use trisect_workloads::{Aim, Feature, Mesh, Placement, Stress, Surface, diffuse_bounce, primary};
 
 use super::Stability;
 use super::contract::hostile_scene;
-use super::measure::In;
+use super::measure::Compiled;
 use super::record::{ExactCounts, Exactness, Stages};
 use crate::record::Line;
 use crate::study::Progress;
@@ -212,17 +212,15 @@ const TRACINGS: [(&str, Tracing); 3] =
 
 /// Judges one scene: by every finder in both arrangements, by one of them for the first triangles, and, in
 /// f32, by a tree.
-fn judge<E: Precision>(
+fn judge<E: Compiled>(
     entry: &Entry,
     finders: &[&Finder],
     scene: &Scene<E>,
     number: u64,
     tally: &mut Tally,
-) where
-    Entry: In<E>,
-{
+) {
     let truth = Truth::new(scene);
-    let kernels = In::<E>::kernels(entry);
+    let kernels = E::kernels(entry);
     let Ok(prepared) = (kernels.prepare)(&scene.triangles, &scene.rays) else { return };
     let count = scene.triangles.len();
     let mut answers = vec![None; scene.rays.len() * count];
@@ -265,20 +263,14 @@ fn judge<E: Precision>(
 }
 
 /// Holds a method to the truth until there were so many tests: a record per way of testing.
-fn hold<E: Precision>(
+fn hold<E: Compiled>(
     seed: u64,
     entry: &Entry,
     tests: u64,
     progress: &mut dyn Progress,
-) -> Vec<Line>
-where
-    Entry: In<E>,
-{
-    let finders: Vec<&Finder> = In::<E>::kernels(entry)
-        .finders
-        .iter()
-        .filter(|finder| finder.variant.is_available())
-        .collect();
+) -> Vec<Line> {
+    let finders: Vec<&Finder> =
+        E::kernels(entry).finders.iter().filter(|finder| finder.variant.is_available()).collect();
     let mut ways: Vec<String> = Vec::new();
     for finder in &finders {
         let Variant { precision, width, instruction_set, arithmetic, .. } = &finder.variant;
@@ -359,15 +351,12 @@ pub(super) fn stages(settings: &Stability, progress: &mut dyn Progress) -> Vec<L
     lines
 }
 
-fn counted<E: Precision>(
+fn counted<E: Compiled>(
     entry: &Entry,
     source: &str,
     pairs: impl ParallelIterator<Item = (Ray<E>, Triangle<E>)>,
-) -> Line
-where
-    Entry: In<E>,
-{
-    let stage = In::<E>::kernels(entry).stage;
+) -> Line {
+    let stage = E::kernels(entry).stage;
     let none = || vec![0; entry.stages.len()];
     let one = |mut counts: Vec<u64>, (ray, triangle): (Ray<E>, Triangle<E>)| {
         counts[stage(&ray, &triangle)] += 1;
@@ -388,10 +377,7 @@ where
     })
 }
 
-fn of_families<E: Precision>(settings: &Stability, entry: &Entry) -> Vec<Line>
-where
-    Entry: In<E>,
-{
+fn of_families<E: Compiled>(settings: &Stability, entry: &Entry) -> Vec<Line> {
     let families = Stress::ALL.into_iter().map(|family| {
         let levels = family.levels::<E>();
         let pairs: Vec<_> = levels

@@ -4,11 +4,11 @@ use std::collections::HashMap;
 
 use rayon::prelude::*;
 use trisect_catalog::{Entry, Finder};
-use trisect_core::{MultiplyAdd, Precision};
+use trisect_core::MultiplyAdd;
 use trisect_workloads::Stress;
 
 use super::Stability;
-use super::measure::{In, finders, weighs};
+use super::measure::{Compiled, finders, weighs};
 use super::pairs::TruePair;
 use super::record::Limits;
 use crate::record::Line;
@@ -34,17 +34,14 @@ pub(super) fn limits(settings: &Stability, progress: &mut dyn Progress) -> Vec<L
     lines
 }
 
-fn of_precision<E: Precision>(settings: &Stability) -> Vec<Line>
-where
-    Entry: In<E>,
-{
+fn of_precision<E: Compiled>(settings: &Stability) -> Vec<Line> {
     settings
         .methods
         .par_iter()
         .flat_map_iter(|entry| {
             let mut probes =
                 Probes::<E> { seed: settings.seed, count: settings.probes, known: HashMap::new() };
-            let plain = finders(In::<E>::kernels(*entry))
+            let plain = finders(E::kernels(entry))
                 .into_iter()
                 .filter(|finder| finder.variant.arithmetic == MultiplyAdd::Plain);
             plain
@@ -63,10 +60,7 @@ struct Probes<E> {
     known: HashMap<(Stress, u64), Vec<TruePair<E>>>,
 }
 
-impl<E: Precision> Probes<E>
-where
-    Entry: In<E>,
-{
+impl<E: Compiled> Probes<E> {
     /// The levels between which all pairs are right; none where they are not at 1.
     fn limits(&mut self, entry: &Entry, finder: &Finder, knob: Stress) -> Option<Line> {
         let mut is_right = |level: f64| self.is_right(entry, finder, knob, level);
@@ -92,7 +86,7 @@ where
         });
         pairs.iter().all(|pair| {
             let mut right = true;
-            pair.ask(In::<E>::kernels(entry), &[finder], |_, answer| {
+            pair.ask(E::kernels(entry), &[finder], |_, answer| {
                 right = !pair.is_wrong(answer, weighs(entry));
             });
             right

@@ -13,20 +13,21 @@ use crate::answers::quantiles;
 use crate::record::{Line, Variant};
 use crate::study::Progress;
 
-/// A method's kernels in a precision, chosen by type.
-pub(crate) trait In<E: Precision> {
-    fn kernels(&self) -> &Kernels<E>;
+/// A precision that the catalogue compiles kernels in.
+pub(super) trait Compiled: Precision {
+    /// A method's kernels in it.
+    fn kernels(entry: &Entry) -> &Kernels<Self>;
 }
 
-impl In<f32> for Entry {
-    fn kernels(&self) -> &Kernels<f32> {
-        &self.f32
+impl Compiled for f32 {
+    fn kernels(entry: &Entry) -> &Kernels<Self> {
+        &entry.f32
     }
 }
 
-impl In<f64> for Entry {
-    fn kernels(&self) -> &Kernels<f64> {
-        &self.f64
+impl Compiled for f64 {
+    fn kernels(entry: &Entry) -> &Kernels<Self> {
+        &entry.f64
     }
 }
 
@@ -121,16 +122,13 @@ impl Set<f32> {
 }
 
 /// What one method does on every set, level by level if asked for, and against the condition number.
-fn family_records<E: Precision>(
+fn family_records<E: Compiled>(
     entry: &Entry,
     sets: &[Set<E>],
     inputs: FloatFormat,
     by_level: bool,
-) -> Vec<Line>
-where
-    Entry: In<E>,
-{
-    let kernels = In::<E>::kernels(entry);
+) -> Vec<Line> {
+    let kernels = E::kernels(entry);
     let finders = finders(kernels);
     // Of each set, per finder, what each pair got.
     let answers: Vec<Vec<Vec<pairs::Answer>>> = sets
