@@ -1,5 +1,6 @@
 //! The lines of Rust that use a kernel.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use trisect_catalog::Variant;
@@ -18,8 +19,8 @@ struct Names {
     shared: &'static str,
     /// The instruction set, and the module it is in; none for scalars.
     token: Option<(&'static str, &'static str)>,
-    /// Of `trisect_core`, all that is used.
-    imports: Vec<String>,
+    /// All that is used, whatever crate it is of.
+    imports: Vec<&'static str>,
 }
 
 impl Names {
@@ -60,22 +61,32 @@ impl Names {
             Arrangement::CommonDirection => ("shared_packets", ", CommonDirection"),
         };
         let rays = if kernel == "one_ray" { "Ray" } else { "Packets" };
-        let types = division.split(|c: char| !c.is_alphanumeric());
-        let types = types.filter(|word| word.starts_with(|c: char| c.is_ascii_uppercase()));
-        let mut imports: Vec<&str> = types.collect();
+        let mut imports = vec![form, reciprocal];
         imports.extend(["Culling", kernel, "Hit", "Lanes", "PreparedTriangles", rays, "Tested"]);
         imports.extend(["Token", "Triangle", "UnsuitableMesh"]);
         imports.extend(token.iter().flat_map(|_| ["Vector", arithmetic]));
         imports.extend(shared.strip_prefix(", "));
-        imports.sort_by_key(|name| name.to_lowercase());
-        let imports = imports.into_iter().map(ToOwned::to_owned).collect();
+        imports.extend((variant.needs == Output::Occlusion).then_some("DecisionOnly"));
         Self { lanes, division, kernel, shared, token, imports }
     }
 }
 
+/// The crate that a name is of which every program uses.
+fn crate_of(name: &str) -> &'static str {
+    match name {
+        "Fused" | "Hit" | "Lanes" | "Plain" | "Ray" | "Token" | "Triangle" | "Vector" => {
+            "trisect_core"
+        }
+        "CommonDirection" | "CommonOrigin" | "Packets" | "PreparedTriangles" | "Tested"
+        | "one_ray" | "one_triangle" | "shared_packets" => "trisect_kernels",
+        _ => "trisect_method",
+    }
+}
+
 /// The lines that import names of a crate.
-fn import(krate: &str, names: &[String]) -> String {
-    if let [name] = names {
+fn import(krate: &str, mut names: Vec<&str>) -> String {
+    names.sort_by_key(|name| name.to_lowercase());
+    if let [name] = names[..] {
         return format!("use {krate}::{name};\n");
     }
     let mut out = String::new();
@@ -95,34 +106,30 @@ fn import(krate: &str, names: &[String]) -> String {
 pub(crate) fn of(variant: &Variant) -> String {
     let method = trisect_catalog::find(&variant.method).expect("what was measured is there");
     let Variant { precision, width, .. } = variant;
-    let Names { lanes, division, kernel, shared, token, mut imports } = Names::of(variant);
+    let Names { lanes, division, kernel, shared, token, imports } = Names::of(variant);
     // The method's type without its paths, whose names are imported.
     let mut short = method.type_name.clone();
-    let (mut krate, mut of_method) = ("", Vec::new());
+    let mut crates: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for path in method.type_name.split(|c: char| !(c.is_alphanumeric() || "_:".contains(c))) {
         let Some((root, name)) = path.split_once("::") else { continue };
         short = short.replace(path, name);
-        if root == "trisect_core" {
-            imports.push(name.to_owned());
-        } else {
-            krate = root;
-            of_method.push(name.to_owned());
-        }
+        crates.entry(root).or_default().push(name);
     }
-    of_method.sort_unstable();
-    imports.sort_by_key(|name| name.to_lowercase());
+    for name in imports {
+        crates.entry(crate_of(name)).or_default().push(name);
+    }
     let rays = if kernel == "one_ray" { "ray" } else { "packets" };
     let bound = if kernel == "one_ray" { "Ray" } else { "Packets" };
 
-    let mut out = format!("// Crates: trisect-core, {}", krate.replace('_', "-"));
+    let mut names: Vec<String> = crates.keys().map(|krate| krate.replace('_', "-")).collect();
+    names.extend(token.map(|_| "fearless_simd".to_owned()));
+    let mut out = format!("// Crates: {}.\n", names.join(", "));
     if let Some((module, token)) = token {
-        out += ", fearless_simd.\n";
         let _ = writeln!(out, "use fearless_simd::{{{precision}x{width}, {module}::{token}}};");
-    } else {
-        out += ".\n";
     }
-    out += &import("trisect_core", &imports);
-    out += &import(krate, &of_method);
+    for (krate, names) in crates {
+        out += &import(krate, names);
+    }
     out.push('\n');
     let _ = write!(
         out,
@@ -170,7 +177,6 @@ fn trace(
 
 #[cfg(test)]
 mod tests {
-    use std::collections::BTreeMap;
     use std::fs;
     use std::path::Path;
     use std::process::Command;
@@ -195,12 +201,14 @@ mod tests {
             fs::read_to_string(root.join("crates/catalog/Cargo.toml")).expect("it is there");
         let folder = tempfile::tempdir().expect("the system has a folder for temporaries");
         let path = folder.path();
-        let mut own = format!(
+        let mut own = String::from(
             "[package]\nname = \"lines\"\nversion = \"0.0.0\"\nedition = \"2024\"\n[workspace]\n\
-             [dependencies]\nfearless_simd = \"1.2\"\n\
-             trisect-core = {{ path = \"{}\" }}\n",
-            root.join("crates/core").display()
+             [dependencies]\nfearless_simd = \"1.2\"\n",
         );
+        for krate in ["core", "kernels", "method"] {
+            let path = root.join("crates").join(krate);
+            let _ = writeln!(own, "trisect-{krate} = {{ path = \"{}\" }}", path.display());
+        }
         for line in manifest.lines().filter(|line| line.contains("\"../methods/")) {
             let methods = format!("\"{}/", root.join("crates/methods").display());
             let _ = writeln!(own, "{}", line.replace("\"../methods/", &methods));

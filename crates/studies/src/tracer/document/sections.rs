@@ -15,10 +15,12 @@ use trisect_report::table::{Columns, Table, count};
 
 const METHODS: &str = "kernel, single, packets: speed over that of Möller–Trumbore, of the tests alone when \
     asked for the fullest hit, of rays one by one and of rays in packets, geometric mean over scenes and \
-    classes, each method called for each leaf. Then million rays per second by class, on one thread, \
-    geometric mean over scenes. inline: the speed with the method's test inside the traversal loop over that \
-    with a call, where both are compiled. build: of all scenes' trees; bytes: of the trees, per triangle. differ: rays per million whose decision is not the \
+    classes. Then million rays per second by class, on one thread, geometric mean over scenes. build: of all \
+    scenes' trees; bytes: of the trees, per triangle. differ: rays per million whose decision is not the \
     same in plain arithmetic.";
+
+const INLINE: &str = "Every method is called for each leaf. inline: the speed with the method's test inside the \
+    traversal loop over that with a call, where both are compiled.";
 
 const BRIEF: &str = "primary to occl: million single rays per second on one thread, geometric mean over \
     scenes. single, packets: the speed of rays one by one and in packets over that of moller-trumbore's, \
@@ -39,6 +41,7 @@ pub(crate) fn document(records: &Records) -> Document {
     let view = &View::new(records);
     let summary = &of_view(view);
     let methods = methods(view, summary);
+    let says = if has_inline(summary) { format!("{METHODS} {INLINE}") } else { METHODS.to_owned() };
     let brief = methods.pick(&[
         ("method", "M rays/s"),
         ("primary, single", "primary"),
@@ -61,7 +64,7 @@ pub(crate) fn document(records: &Records) -> Document {
     sections.extend([
         Section::brief(brief, BRIEF),
         Section::prose(survives.unwrap_or_default()).shown(Shown::Terminal),
-        Section::table("methods", "All methods", METHODS, methods).part("study-methods"),
+        Section::table("methods", "All methods", says, methods).part("study-methods"),
         Section::table("trees", "Builders, leaves, lanes, calls", TREES, ways(view))
             .part("study-trees"),
         Section::table("threads", "Threads", THREADS, threads(view)).part("study-threads"),
@@ -72,6 +75,11 @@ pub(crate) fn document(records: &Records) -> Document {
         source: source(&records.header),
         sections,
     }
+}
+
+/// Whether trees with the test inside the loop were timed; older records have no such lines.
+fn has_inline(summary: &StudySummary) -> bool {
+    summary.rows.iter().any(|row| row.inline_single.is_some())
 }
 
 /// A row per method.
@@ -89,7 +97,7 @@ fn methods(view: &View, summary: &StudySummary) -> Table {
         let packets = |row: &StudyRow| row.packets.get(class).copied();
         table = table.number(format!("{class}, packets"), number, packets);
     }
-    if summary.rows.iter().any(|row| row.inline_single.is_some()) {
+    if has_inline(summary) {
         table = table.number("inline, single", fixed, |row| row.inline_single).number(
             "inline, packets",
             fixed,
