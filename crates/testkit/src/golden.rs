@@ -7,10 +7,11 @@ mod cases;
 mod scenes;
 mod table;
 
+use std::io::{self, Write as _};
 use std::path::Path;
 use std::thread;
 
-use trisect_core::FloatFormat;
+use trisect_core::{FloatFormat, InstructionSet};
 use trisect_method::{Form, ReciprocalKind};
 
 use crate::kernels::{Found, Kernels, Lists, Results};
@@ -184,6 +185,7 @@ struct Observed {
 /// When a case fails that no method may fail, kernels differ that must have the same bits, or the
 /// table says something else.
 pub fn golden_cases(path: &Path, subjects: &[Subject]) {
+    say_skipped();
     let observed: Vec<Observed> = thread::scope(|scope| {
         let running: Vec<_> =
             subjects.iter().map(|subject| scope.spawn(|| Player::of(subject).observe())).collect();
@@ -198,6 +200,22 @@ pub fn golden_cases(path: &Path, subjects: &[Subject]) {
         PART.hold(path, &wanted);
     } else {
         assert_eq!(table::plain(&PART.of(path)), table::plain(&wanted), "{}", path.display());
+    }
+}
+
+/// Says which instruction sets of the target are not tested, as the processor lacks them: a line each, past the
+/// test harness, which hides what a test prints.
+fn say_skipped() {
+    let of_target = |set| match set {
+        InstructionSet::Scalar => true,
+        InstructionSet::Neon => cfg!(target_arch = "aarch64"),
+        _ => cfg!(any(target_arch = "x86", target_arch = "x86_64")),
+    };
+    for set in InstructionSet::ALL {
+        if of_target(*set) && !set.is_available() {
+            let _ =
+                writeln!(io::stderr(), "skipped: kernels for {set}, which this processor lacks");
+        }
     }
 }
 
