@@ -46,13 +46,15 @@ fn the_records_are_all_there_and_the_same_but_for_times() {
     };
     // Two methods, four classes, two ways of tracing.
     assert_eq!(count(Contest::Methods), (2, 16));
+    // Both have their test inside the traversal loop as well.
+    assert_eq!(count(Contest::Inline), (0, 16));
     // Three builders, and two more sizes of leaves; plain lanes, and a call for each ray.
     assert_eq!(count(Contest::Trees), (5, 28));
     // Three builders on one thread and on two, and tracing on those.
     assert_eq!(count(Contest::Threads), (6, 8));
     for traced in &traced {
         assert_eq!(traced.samples_ns.len(), 2, "{traced:?}");
-        let is_paired = traced.contest == Contest::Methods;
+        let is_paired = matches!(traced.contest, Contest::Methods | Contest::Inline);
         assert_eq!(traced.baseline_ns.len(), if is_paired { 2 } else { 0 }, "{traced:?}");
         assert!(traced.hits > 0 && traced.hits <= traced.rays, "{traced:?}");
         assert!(traced.tracing != "plain" || traced.differ == 0, "{traced:?}");

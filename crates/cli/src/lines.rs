@@ -8,7 +8,7 @@ use trisect_core::{InstructionSet, MultiplyAdd};
 use trisect_kernels::Arrangement;
 use trisect_method::{Form, Output, ReciprocalKind};
 
-use crate::records::COLUMNS;
+use crate::output::COLUMNS;
 
 /// A kernel as a program names it.
 struct Names {

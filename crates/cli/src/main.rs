@@ -7,6 +7,7 @@ mod lines;
 mod list;
 mod output;
 mod progress;
+mod publish;
 mod query;
 mod reading;
 mod recommend;

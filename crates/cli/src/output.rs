@@ -9,6 +9,9 @@ use anyhow::{Error, Result, anyhow, bail};
 use serde::Serialize;
 use trisect_studies::file::{self, WriteError};
 
+/// Columns of what is printed: a terminal's.
+pub(crate) const COLUMNS: usize = 80;
+
 /// Refuses a folder that cannot be written, before any work is done for it.
 pub(crate) fn check_folder(folder: &Path) -> Result<()> {
     check_folder_for(folder, "--output")
@@ -89,4 +92,9 @@ pub(crate) fn print_as(
             text(out)
         }
     })
+}
+
+/// Prints a value as JSON, or its text.
+pub(crate) fn show(value: &impl Serialize, text: &str, json: bool) -> Result<()> {
+    print_as(json, value, |out| writeln!(out, "{}", text.trim_end()))
 }

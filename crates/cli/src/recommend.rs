@@ -9,8 +9,8 @@ use trisect_studies::input;
 use trisect_studies::recommend::{self, RecommendSettings, Recommendation};
 
 use crate::arguments::Recommend;
+use crate::output::COLUMNS;
 use crate::progress::Bar;
-use crate::records::COLUMNS;
 use crate::studies::say;
 use crate::{lines, output, reading};
 

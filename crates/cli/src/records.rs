@@ -1,22 +1,19 @@
 //! `rank`, `cmp` and `report`: what is made of records.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Context as _, Result, anyhow, bail};
-use serde::Serialize;
 use trisect_mesh::{ReadOptions, Reading};
+use trisect_studies::chapter_of;
 use trisect_studies::comparison::{self, Filter, Throughput};
 use trisect_studies::file::Files;
 use trisect_studies::record::Records;
-use trisect_studies::{Chapter, Page, chapter_of};
 
 use crate::arguments::{Cmp, Rank, Report};
-use crate::output;
+use crate::output::{self, COLUMNS, show};
+use crate::publish::{check, tell};
 use crate::studies::read;
-
-/// Columns of what is printed: a terminal's.
-pub(crate) const COLUMNS: usize = 80;
 
 pub(crate) fn rank(arguments: &Rank) -> Result<()> {
     let records = read(&arguments.record)?;
@@ -88,36 +85,4 @@ fn splice(records: &Records, documents: &[PathBuf]) -> Result<()> {
         output::say(format_args!("spliced {}", path.display()));
     }
     Ok(())
-}
-
-/// Refuses a folder that a chapter could not be published in, before any work is done for it.
-pub(crate) fn check(chapter: &Chapter, folder: &Path) -> Result<()> {
-    output::check_folder(folder)?;
-    Ok(chapter.check(folder)?)
-}
-
-/// Publishes a record that was taken for a report, with its page, and prints its summary.
-pub(crate) fn keep(chapter: &Chapter, taken: &Records, folder: &Path, json: bool) -> Result<()> {
-    let page = chapter.keep(taken, folder)?;
-    tell(chapter, &page, taken, json)?;
-    output::say(format_args!("record  {}", folder.join(chapter.about.record).display()));
-    Ok(())
-}
-
-/// Prints a summary, and says where the page is.
-fn tell(chapter: &Chapter, page: &Page, records: &Records, json: bool) -> Result<()> {
-    output::print(|out| {
-        if json {
-            chapter.write_summary(records, &mut *out)?;
-            writeln!(out)
-        } else {
-            writeln!(out, "{}", page.document.to_text(COLUMNS).trim_end())
-        }
-    })?;
-    output::say(format_args!("\npage    {}", page.index.display()));
-    Ok(())
-}
-
-pub(crate) fn show(value: &impl Serialize, text: &str, json: bool) -> Result<()> {
-    output::print_as(json, value, |out| writeln!(out, "{}", text.trim_end()))
 }

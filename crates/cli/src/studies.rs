@@ -13,7 +13,7 @@ use trisect_studies::{Chapter, Choice, Study, StudyError, StudyVisitor, file};
 use crate::arguments::{Compare, Measure};
 use crate::output;
 use crate::progress::Bar;
-use crate::records::{self, COLUMNS};
+use crate::publish;
 
 /// Where a study goes.
 #[derive(Debug, Args)]
@@ -51,9 +51,9 @@ impl StudyVisitor for Publish<'_> {
         // All input is read before anything is written or measured.
         let study = S::plan(settings, &say)?;
         let chapter = Chapter::of::<S>();
-        records::check(&chapter, output)?;
+        publish::check(&chapter, output)?;
         let taken = study.record(command(), &mut Bar::new())?;
-        records::keep(&chapter, &taken, output, *json)
+        publish::keep(&chapter, &taken, output, *json)
     }
 }
 
@@ -74,7 +74,7 @@ pub(crate) fn measure(arguments: &Measure) -> Result<()> {
 fn hold_to_exactness(settings: &stress::Settings, json: bool) -> Result<()> {
     let records = Stability::plan(settings, &say)?.record(command(), &mut Bar::new())?;
     let summary = exactness_summary(&records);
-    records::show(&summary, &summary.to_text(COLUMNS), json)?;
+    output::show(&summary, &summary.to_text(output::COLUMNS), json)?;
     if summary.total().all_wrong() > 0 {
         return Err(StudyError::NotExact(summary.first_wrong.unwrap_or_default()).into());
     }

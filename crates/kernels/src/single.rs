@@ -1,4 +1,4 @@
-//! One ray against one triangle, for who has no more than that.
+//! One ray against one triangle.
 
 use crate::prepared::turning_axis;
 use trisect_core::Scalar;

@@ -5,8 +5,8 @@ use std::ops::Range;
 use trisect_core::Triangle;
 
 use crate::error::{MeshProblem, Place};
-use crate::mesh::Source;
 use crate::polygon::{Shape, Splitter};
+use crate::reading::Source;
 use crate::reading::{ReadProblem, Reading};
 
 /// What a reader hands over: the file's vertices and faces, unchecked.

@@ -7,7 +7,7 @@ use trisect_core::{Triangle, Vec3};
 
 use crate::error::{MeshError, MeshProblem, Place};
 use crate::faces::Raw;
-use crate::reading::{Note, ReadOptions, Reading};
+use crate::reading::{Note, ReadOptions, Reading, Source};
 use crate::{gltf, obj, ply, stl};
 
 /// The smallest box that holds a mesh.
@@ -237,15 +237,6 @@ impl Mesh {
         Self::from_bytes("bunny", MeshFormat::Ply, include_bytes!("../../../data/meshes/bunny.ply"))
             .expect("the mesh compiled into the program is sound")
     }
-}
-
-/// What a reader reads beside the file's own bytes, and whom it tells.
-pub(crate) struct Source<'a> {
-    /// Stands for the file in messages.
-    pub(crate) file: &'a str,
-    /// Where other files are looked for.
-    pub(crate) folder: Option<&'a Path>,
-    pub(crate) reading: &'a mut Reading,
 }
 
 fn parse(

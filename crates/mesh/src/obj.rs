@@ -10,9 +10,9 @@ use std::num::NonZeroU32;
 
 use crate::error::MeshProblem;
 use crate::faces::{Corner, Raw, Vertex};
-use crate::mesh::Source;
 use crate::quote::quoted;
 use crate::reading::Reading;
+use crate::reading::Source;
 use crate::text::{coordinates, lines, malformed_line, unquoted, without_comment};
 
 /// An OBJ file: its polygons with all that their corners have, and which material each is of.

@@ -8,9 +8,9 @@ use std::ops::Range;
 
 use crate::error::MeshProblem;
 use crate::faces::{Raw, Vertex};
-use crate::mesh::Source;
 use crate::ply_header::{Element, Encoding, Header, Property, Scalar};
 use crate::quote::quoted;
+use crate::reading::Source;
 use crate::text::malformed_line;
 
 /// Lists of more entries are counted before they are read.

@@ -1,8 +1,8 @@
 //! The header of a PLY file: which elements follow, of which properties, in which encoding.
 
 use crate::error::MeshProblem;
-use crate::mesh::Source;
 use crate::quote::quoted;
+use crate::reading::Source;
 use crate::text::utf8_mark;
 
 #[derive(Clone, Copy, PartialEq)]

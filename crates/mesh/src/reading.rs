@@ -106,6 +106,15 @@ pub struct Reading {
 /// A file in memory: its path, and its content.
 pub type FileInMemory = (&'static str, &'static [u8]);
 
+/// What a reader reads beside the file's own bytes, and whom it tells.
+pub(crate) struct Source<'a> {
+    /// Stands for the file in messages.
+    pub(crate) file: &'a str,
+    /// Where other files are looked for.
+    pub(crate) folder: Option<&'a Path>,
+    pub(crate) reading: &'a mut Reading,
+}
+
 impl Reading {
     /// A reading of what is in memory; nothing is read yet.
     pub fn new(options: &ReadOptions) -> Self {

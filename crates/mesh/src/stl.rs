@@ -7,8 +7,8 @@ use std::str::SplitAsciiWhitespace;
 
 use crate::error::{MeshProblem, Place};
 use crate::faces::{Raw, Vertex};
-use crate::mesh::Source;
 use crate::quote::quoted;
+use crate::reading::Source;
 use crate::text::{coordinates, lines, malformed_line, utf8_mark};
 
 /// Bytes before the first record: a comment of 80 and the count of 4.

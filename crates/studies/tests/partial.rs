@@ -3,8 +3,10 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::Read as _;
 use std::path::Path;
 
+use flate2::read::MultiGzDecoder;
 use serde_json::Value;
 use trisect_studies::Chapter;
 use trisect_studies::chapter_of;
@@ -32,8 +34,10 @@ fn excerpts() -> Vec<Excerpt> {
     for report in fs::read_dir(reports).expect("the reports are in the repository") {
         let report = report.expect("it can be read").path();
         for chapter in chapters() {
-            let path = report.join(chapter.about.record);
-            let Ok(text) = fs::read_to_string(&path) else { continue };
+            let path = report.join(format!("{}.gz", chapter.about.record));
+            let Ok(file) = fs::File::open(&path) else { continue };
+            let mut text = String::new();
+            MultiGzDecoder::new(file).read_to_string(&mut text).expect("it is compressed");
             let (header, lines) = text.split_once('\n').expect("a record has lines");
             let mut kinds: BTreeMap<String, Vec<String>> = BTreeMap::new();
             for line in lines.lines() {
@@ -45,7 +49,7 @@ fn excerpts() -> Vec<Excerpt> {
                 let step = if kind == "method" { 1 } else { lines.len().div_ceil(LINES) };
                 *lines = std::mem::take(lines).into_iter().step_by(step).collect();
             }
-            let name = path.display().to_string();
+            let name = report.join(chapter.about.record).display().to_string();
             excerpts.push(Excerpt { name, header: header.to_owned(), kinds });
         }
     }

@@ -5,8 +5,10 @@ mod controls;
 mod frame;
 mod heat;
 mod judge;
+mod view;
 mod viewer;
 
 pub use frame::{Frame, Rgb};
 pub use judge::{Cost, Triangles, Verdict, cost, judge};
-pub use viewer::{Action, UnknownView, View, Viewer};
+pub use view::{UnknownView, View};
+pub use viewer::{Action, Viewer};

@@ -1,8 +1,6 @@
 //! What is looked at, from where, by which method, and how far the picture has come.
 
 use std::cell::RefCell;
-use std::fmt;
-use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -20,10 +18,7 @@ use crate::controls::Orbit;
 use crate::frame::{Frame, MARGIN, Rgb};
 use crate::heat::{self, Legend};
 use crate::judge::{Cost, Triangles, Verdict, cost, judge};
-
-/// Samples of a pixel after which a picture is done, and paths.
-const SAMPLES: u32 = 64;
-const PATHS: u32 = 4096;
+use crate::view::View;
 
 /// How often a path is reflected, refracted or scattered.
 const PATH_DEPTH: u32 = 8;
@@ -33,73 +28,6 @@ const COARSEST: u32 = 8;
 
 /// Seconds that a picture may take while the camera moves.
 const QUICK: f64 = 0.05;
-
-/// What is shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum View {
-    /// The picture after Whitted.
-    Picture,
-    /// The picture by traced paths.
-    Paths,
-    /// How many triangles the camera's rays are tested against.
-    Triangles,
-    /// How many nodes they visit.
-    Nodes,
-    /// How far off the method's `t` is from the exact one, and where it decides wrongly.
-    Error,
-}
-
-impl View {
-    /// All of them, in the order of their keys.
-    pub const ALL: [Self; 5] =
-        [Self::Picture, Self::Paths, Self::Triangles, Self::Nodes, Self::Error];
-
-    /// The name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Picture => "picture",
-            Self::Paths => "paths",
-            Self::Triangles => "triangles",
-            Self::Nodes => "nodes",
-            Self::Error => "error",
-        }
-    }
-
-    /// How many passes there are at full size.
-    const fn passes(self) -> u32 {
-        match self {
-            Self::Picture => SAMPLES,
-            Self::Paths => PATHS,
-            Self::Triangles | Self::Nodes | Self::Error => 1,
-        }
-    }
-}
-
-impl fmt::Display for View {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// There is no such view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct UnknownView;
-
-impl fmt::Display for UnknownView {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "no such view; there are {}", View::ALL.map(View::name).join(", "))
-    }
-}
-
-impl std::error::Error for UnknownView {}
-
-impl FromStr for View {
-    type Err = UnknownView;
-
-    fn from_str(name: &str) -> Result<Self, UnknownView> {
-        Self::ALL.into_iter().find(|view| view.name() == name).ok_or(UnknownView)
-    }
-}
 
 /// What a hand does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -510,6 +438,7 @@ fn by_pixel<T: Send, U>(
 mod tests {
     use super::*;
     use crate::frame::LINE;
+    use crate::view::SAMPLES;
 
     const SCENE: &str = "[picture]\nbackground = [0.2, 0.4, 0.8]\n\
                          [[camera]]\nkind = \"pinhole\"\neye = [1.2, 0.9, 1.6]\nlook_at = [0, 0.4, 0]\n\

@@ -118,7 +118,7 @@ pub(crate) fn timed<T: Send>(
 }
 
 /// Rays that one contender answers before it is the next one's turn: few enough that all meet the same
-/// weather.
+/// conditions.
 const SLICE: usize = 1 << 16;
 
 /// Rays before them that it answers untimed, so that the caches are its own again, as they are where a

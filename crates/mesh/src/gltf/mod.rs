@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::MeshProblem;
 use crate::faces::{Corner, Raw, Vertex};
-use crate::mesh::Source as Input;
 use crate::quote::{cut, quoted};
+use crate::reading::Source as Input;
 use crate::reading::{ReadProblem, Reading};
 
 pub use document::{

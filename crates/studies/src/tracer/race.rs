@@ -14,7 +14,7 @@ use super::rays::ClassOfRays;
 use crate::timing::{WrongAnswer, nanoseconds};
 
 /// Rays of a turn: enough that the caches are a contender's own for most of them, few enough that all
-/// meet the same weather.
+/// meet the same conditions.
 const SLICE: usize = 1 << 14;
 
 /// How many rays make a turn.
