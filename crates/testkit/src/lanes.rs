@@ -1,8 +1,9 @@
 //! What holds across widths, instruction sets, arrangements and divisions.
 //!
 //! Each lane type times division times arrangement is a kernel that takes a fifth of a second of a
-//! processor's time to compile, for 46 methods. The bits are compared on every width and instruction
-//! set for one form of each method, a ray at a time, and for both forms on the native widths. The loops
+//! processor's time to compile, for 46 methods. The bits are compared for both forms of each method on the
+//! native widths, a ray at a time, and with the feature `every-width` for one form on every width and
+//! instruction set. The loops
 //! of the arrangements, and leaving early, are the same code for every method: they are compared on one
 //! width of each precision. `tests/tests/stress.rs` holds every kernel of the catalogue, in all
 //! arrangements and on all widths, to the same decisions.
