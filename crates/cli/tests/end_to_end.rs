@@ -90,8 +90,11 @@ fn a_kernel_is_recommended() {
     let method = ranking[0]["method"].as_str().expect("a name");
     let entry = trisect_catalog::find(method).expect("it is in the catalogue");
     let path = entry.type_name.split('<').next().expect("it is not empty");
+    let (package, name) = path.rsplit_once("::").expect("a path");
     let lines = found["rust"].as_str().expect("lines of Rust");
-    assert!(lines.contains(&format!("use {path};")), "{lines}");
+    // With the method's parameters, if it has any: `use package::{Parameter, Method};`.
+    let imports = lines.lines().find(|line| line.starts_with(&format!("use {package}::")));
+    assert!(imports.is_some_and(|line| line.contains(name)), "{lines}");
     assert!(found["hits"].as_u64() > Some(50), "{}", found["hits"]);
     assert!(found["exhaustive"]["behind"].as_f64() >= Some(0.0));
 
