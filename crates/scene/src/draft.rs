@@ -4,24 +4,8 @@ use glam::{DAffine3, DMat2, DMat3, DVec2, DVec3, Vec3};
 
 use crate::camera::{Camera, Lens, length};
 use crate::error::SceneProblem;
-use crate::mesh::Mesh;
+use crate::mesh::{FAR, Mesh, near_origin};
 use crate::model::{Instance, Light, Plane, Scene, Sphere};
-
-/// What is further from 0 than so many times its size is moved.
-const FAR: f64 = 16.0;
-
-/// What to subtract from positions in a box, so that f32 holds them well: 0 where the box is not far from 0,
-/// else its middle, with so few bits that the difference is exact. A box that is larger by a power of two has
-/// an origin that is.
-pub(crate) fn near_origin([low, high]: [DVec3; 2]) -> DVec3 {
-    let (size, middle) = ((high - low).max_element(), low * 0.5 + high * 0.5);
-    // The power of two below the size; a box without size is as large as its distance.
-    let power = f64::from_bits(size.to_bits() & 0x7ff0_0000_0000_0000);
-    if !(size > 0.0 && power > 0.0 && middle.abs().max_element() > FAR * size) {
-        return DVec3::ZERO;
-    }
-    (middle / power).round() * power
-}
 
 /// A scene whose instances and spheres are in f64 yet.
 pub(crate) struct Draft {

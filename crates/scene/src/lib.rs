@@ -5,6 +5,7 @@ mod camera;
 mod chair;
 mod draft;
 mod error;
+mod files;
 mod gltf_scene;
 mod load;
 mod mesh;

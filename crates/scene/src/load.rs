@@ -2,17 +2,14 @@
 
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
-use trisect_mesh::{FileInMemory, MeshFormat, ReadOptions, ReadProblem, Reading};
+use trisect_mesh::{FileInMemory, MeshFormat, ReadOptions, Reading};
 
 use crate::draft::Draft;
 use crate::error::{SceneError, SceneProblem};
-use crate::mesh::Mesh;
+use crate::files::read_text;
+use crate::mesh::{Mesh, load_triangles};
 use crate::model::{Material, Scene};
 use crate::{gltf_scene, obj, toml_file};
-
-/// Pixels of a picture where a file says nothing of it.
-pub(crate) const SIZE: [u32; 2] = [640, 480];
 
 /// The scenes of `data/scenes` with all files that they name, by their paths in `data`.
 pub const SHIPPED: &[FileInMemory] = &[
@@ -102,56 +99,4 @@ impl Scene {
         scene.notes = reading.into_notes();
         Ok(scene)
     }
-
-    /// A scene with nothing in it, not even a camera.
-    pub(crate) fn empty() -> Self {
-        Self {
-            size: SIZE,
-            background: Vec3::ZERO,
-            zenith: Vec3::ZERO,
-            ambient: Vec3::ZERO,
-            cameras: Vec::new(),
-            lights: Vec::new(),
-            materials: Vec::new(),
-            textures: Vec::new(),
-            meshes: Vec::new(),
-            instances: Vec::new(),
-            spheres: Vec::new(),
-            planes: Vec::new(),
-            origin: DVec3::ZERO,
-            rounding: 0.0,
-            notes: Vec::new(),
-        }
-    }
-
-    /// The lowest and highest corner of the box around all instances and spheres; `None` where there is
-    /// neither.
-    pub fn bounds(&self) -> Option<[Vec3; 2]> {
-        let corners = self.instances.iter().flat_map(|instance| {
-            let triangles = self.meshes.get(instance.mesh).map(|mesh| &mesh.triangles);
-            triangles.into_iter().flatten().flat_map(|triangle| {
-                triangle.corners().map(|corner| instance.to_world.transform_point3(corner.into()))
-            })
-        });
-        let spheres = self
-            .spheres
-            .iter()
-            .flat_map(|s| [s.center - Vec3::splat(s.radius), s.center + Vec3::splat(s.radius)]);
-        corners.chain(spheres).fold(None, |bounds, p| {
-            let [low, high] = bounds.unwrap_or([p, p]);
-            Some([low.min(p), high.max(p)])
-        })
-    }
-}
-
-pub(crate) fn read_text(path: &Path, reading: &mut Reading) -> Result<String, SceneError> {
-    let fail =
-        |problem: ReadProblem| SceneProblem::from(problem).of_file(path.display().to_string());
-    reading.text(path).map_err(fail)
-}
-
-/// Triangles of a file of any format, with smooth normals and without materials.
-pub(crate) fn load_triangles(path: &Path, reading: &mut Reading) -> Result<Mesh, SceneError> {
-    let mesh = trisect_mesh::Mesh::read(path, reading)?;
-    Ok(Mesh::near(&*mesh.name, &mesh.triangles_f64()).with_smooth_normals())
 }

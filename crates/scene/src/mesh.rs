@@ -1,12 +1,14 @@
 //! Triangles with what shading asks of them.
 
 use std::collections::HashMap;
+use std::path::Path;
 
 use glam::{DVec3, Vec2, Vec3};
 use trisect_core::Triangle;
+use trisect_mesh::Reading;
 
 use crate::camera::power_of_two;
-use crate::draft::near_origin;
+use crate::error::SceneError;
 
 /// Triangles with normals, coordinates for textures, and materials.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -99,6 +101,28 @@ impl Mesh {
         };
         self.triangles.iter().map(scaled).collect()
     }
+}
+
+/// What is further from 0 than so many times its size is moved.
+pub(crate) const FAR: f64 = 16.0;
+
+/// What to subtract from positions in a box, so that f32 holds them well: 0 where the box is not far from 0,
+/// else its middle, with so few bits that the difference is exact. A box that is larger by a power of two has
+/// an origin that is.
+pub(crate) fn near_origin([low, high]: [DVec3; 2]) -> DVec3 {
+    let (size, middle) = ((high - low).max_element(), low * 0.5 + high * 0.5);
+    // The power of two below the size; a box without size is as large as its distance.
+    let power = f64::from_bits(size.to_bits() & 0x7ff0_0000_0000_0000);
+    if !(size > 0.0 && power > 0.0 && middle.abs().max_element() > FAR * size) {
+        return DVec3::ZERO;
+    }
+    (middle / power).round() * power
+}
+
+/// Triangles of a file of any format, with smooth normals and without materials.
+pub(crate) fn load_triangles(path: &Path, reading: &mut Reading) -> Result<Mesh, SceneError> {
+    let mesh = trisect_mesh::Mesh::read(path, reading)?;
+    Ok(Mesh::near(&*mesh.name, &mesh.triangles_f64()).with_smooth_normals())
 }
 
 #[cfg(test)]

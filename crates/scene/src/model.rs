@@ -8,6 +8,9 @@ use crate::error::UnknownCamera;
 use crate::mesh::Mesh;
 use crate::texture::Texture;
 
+/// Pixels of a picture where a file says nothing of it.
+pub(crate) const SIZE: [u32; 2] = [640, 480];
+
 /// Linear red, green and blue: of a surface the share of light that it returns, of light its radiance.
 pub type Color = Vec3;
 
@@ -57,6 +60,46 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// A scene with nothing in it, not even a camera.
+    pub(crate) fn empty() -> Self {
+        Self {
+            size: SIZE,
+            background: Vec3::ZERO,
+            zenith: Vec3::ZERO,
+            ambient: Vec3::ZERO,
+            cameras: Vec::new(),
+            lights: Vec::new(),
+            materials: Vec::new(),
+            textures: Vec::new(),
+            meshes: Vec::new(),
+            instances: Vec::new(),
+            spheres: Vec::new(),
+            planes: Vec::new(),
+            origin: DVec3::ZERO,
+            rounding: 0.0,
+            notes: Vec::new(),
+        }
+    }
+
+    /// The lowest and highest corner of the box around all instances and spheres; `None` where there is
+    /// neither.
+    pub fn bounds(&self) -> Option<[Vec3; 2]> {
+        let corners = self.instances.iter().flat_map(|instance| {
+            let triangles = self.meshes.get(instance.mesh).map(|mesh| &mesh.triangles);
+            triangles.into_iter().flatten().flat_map(|triangle| {
+                triangle.corners().map(|corner| instance.to_world.transform_point3(corner.into()))
+            })
+        });
+        let spheres = self
+            .spheres
+            .iter()
+            .flat_map(|s| [s.center - Vec3::splat(s.radius), s.center + Vec3::splat(s.radius)]);
+        corners.chain(spheres).fold(None, |bounds, p| {
+            let [low, high] = bounds.unwrap_or([p, p]);
+            Some([low.min(p), high.max(p)])
+        })
+    }
+
     /// The camera of that name, or of that number from 1.
     ///
     /// # Errors

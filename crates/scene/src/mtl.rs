@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 use trisect_mesh::{ReadProblem, Reading, lines, quoted, unquoted, without_comment};
 
 use crate::error::{SceneError, SceneProblem};
-use crate::load::read_text;
+use crate::files::{beside, read_text};
 use crate::model::{Color, Material, Scene};
 use crate::texture::{Texture, UNUSABLE};
 
@@ -332,18 +332,6 @@ impl<'a> Map<'a> {
 fn next_word(text: &str) -> (&str, &str) {
     let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     (word, rest.trim_start())
-}
-
-/// A file that another names: beside it, and with the separators of Windows where it is not there so.
-pub(crate) fn beside(folder: Option<&Path>, name: &str) -> PathBuf {
-    let folder = folder.unwrap_or(Path::new(""));
-    let path = folder.join(name);
-    if name.contains('\\') && !path.exists() { folder.join(name.replace('\\', "/")) } else { path }
-}
-
-/// Whether a file is not there, or is none; all else about it is an error.
-pub(crate) fn is_missing(problem: &ReadProblem) -> bool {
-    matches!(problem, ReadProblem::Unreadable(_) | ReadProblem::NotAFile)
 }
 
 fn from_zero(word: &str) -> Option<f32> {

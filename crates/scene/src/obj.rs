@@ -8,10 +8,10 @@ use trisect_core::Triangle;
 use trisect_mesh::{ObjFile, ObjLine, ReadProblem, Reading, quoted, unquoted};
 
 use crate::error::{SceneError, SceneProblem};
-use crate::load::read_text;
+use crate::files::{beside, is_missing, read_text};
 use crate::mesh::Mesh;
 use crate::model::{Material, Scene};
-use crate::mtl::{self, beside, is_missing};
+use crate::mtl;
 
 /// Reads a mesh, and adds its materials and textures to the scene. Triangles without a material get one
 /// that is grey.

@@ -12,8 +12,8 @@ use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use crate::error::SceneProblem;
+use crate::files::is_missing;
 use crate::model::Color;
-use crate::mtl::is_missing;
 
 /// A texture.
 #[derive(Clone, Debug, PartialEq)]

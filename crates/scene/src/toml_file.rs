@@ -12,9 +12,8 @@ use trisect_mesh::{MeshFormat, Reading, quoted};
 use crate::camera::{Camera, Lens};
 use crate::draft::Draft;
 use crate::error::{SceneError, SceneProblem, line_of};
-use crate::load::{SIZE, load_triangles};
-use crate::mesh::Mesh;
-use crate::model::{Instance, Light, Material, Plane, Scene, Sphere};
+use crate::mesh::{Mesh, load_triangles};
+use crate::model::{Instance, Light, Material, Plane, SIZE, Scene, Sphere};
 use crate::obj;
 use crate::texture::{Pixels, Texture};
 
