@@ -7,6 +7,7 @@
 mod kernel;
 mod matrix;
 mod variant;
+mod yardsticks;
 
 use std::sync::OnceLock;
 
@@ -17,6 +18,7 @@ use trisect_method::{Form, Method, MethodInfo, MethodVisitor, UnsuitableMesh};
 use kernel::Instances as _;
 pub use kernel::{Find, Finder, Kernel, Scene, Tally};
 pub use variant::{Lane, Variant};
+pub use yardsticks::{every_triangle, scalar_tree, waived_watertight};
 
 pub use trisect_tracer::{Builder, Leaves, Statistics, Tracing, Tree, TriangleHit, fast_lanes};
 

@@ -3,11 +3,11 @@
 use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
-use trisect_catalog::{Builder, Tracing, Tree, TriangleHit, find};
-use trisect_core::{Lanes, Ray, Scalar, Triangle, Vec3};
-use trisect_method::{Claims, Culling, Homogeneous, Method, MethodInfo, Of};
-use trisect_tracer::Bvh;
-use trisect_watertight::Watertight;
+use trisect_catalog::{
+    BuildTree, Builder, Leaves, Tracing, Tree, TriangleHit, find, waived_watertight,
+};
+use trisect_core::Ray;
+use trisect_method::Culling;
 use trisect_workloads::{Mesh, RayClass, hall};
 
 use super::measure::{Leaving, Subject, in_turn};
@@ -16,48 +16,6 @@ use crate::kernels::{REFERENCE, reference};
 use crate::study::{StudyError, pool};
 use crate::timing::WrongAnswer;
 use crate::tracer::{ClassOfRays, classes_of_rays};
-
-/// Watertight without its promise: the same formula, in boxes that do not allow for their rounding.
-struct Waived;
-
-impl Method for Waived {
-    const INFO: MethodInfo = MethodInfo {
-        claims: Claims { watertight: false, ..<Watertight as Method>::INFO.claims },
-        ..<Watertight as Method>::INFO
-    };
-    const TURNS: bool = <Watertight as Method>::TURNS;
-    type Prepared = <Watertight as Method>::Prepared;
-    type PreparedRay<L: Lanes> = <Watertight as Method>::PreparedRay<L>;
-    type Alpha<L: Lanes> = <Watertight as Method>::Alpha<L>;
-
-    #[inline(always)]
-    fn prepare<X: Scalar>(triangle: &Triangle<X>, group: usize) -> Of<Self::Prepared, X> {
-        <Watertight as Method>::prepare(triangle, group)
-    }
-
-    #[inline(always)]
-    fn prepare_ray<L: Lanes>(ray: &Ray<L>, group: usize) -> Self::PreparedRay<L> {
-        <Watertight as Method>::prepare_ray(ray, group)
-    }
-
-    #[inline(always)]
-    fn intersect<L: Lanes>(
-        ray: &Self::PreparedRay<L>,
-        triangle: &Of<Self::Prepared, L>,
-    ) -> Homogeneous<L, Self::Alpha<L>> {
-        <Watertight as Method>::intersect(ray, triangle)
-    }
-
-    #[inline(always)]
-    fn facing<L: Lanes>(ray: &Self::PreparedRay<L>, triangle: &Of<Self::Prepared, L>, det: L) -> L {
-        <Watertight as Method>::facing(ray, triangle, det)
-    }
-
-    #[inline(always)]
-    fn normal<L: Lanes>(triangle: &Of<Self::Prepared, L>, group: usize) -> Option<Vec3<L>> {
-        <Watertight as Method>::normal(triangle, group)
-    }
-}
 
 /// Rays through a tree in some way.
 struct Contender<'a> {
@@ -111,6 +69,8 @@ impl Contender<'_> {
 struct Trees {
     reference: Box<dyn Tree>,
     watertight: Box<dyn Tree>,
+    /// The same method and its copy without the promise, each behind calls: they differ in the promise alone.
+    promised: Box<dyn Tree>,
     waived: Box<dyn Tree>,
     exact: Box<dyn Tree>,
 }
@@ -122,13 +82,17 @@ impl Trees {
             let entry = find(name).expect("it is in the catalogue");
             entry.tree(triangles, Builder::Spatial).expect("it takes every mesh")
         };
-        let waived = Bvh::<Waived>::build(triangles, Builder::Spatial);
+        let erased = |build: BuildTree| {
+            build(triangles, Builder::Spatial, Leaves::default()).expect("it takes every mesh")
+        };
+        let promised = find("watertight").expect("it is in the catalogue").erased_tree;
         Self {
             reference: reference()
                 .tree(triangles, Builder::Spatial)
                 .expect("the reference takes every mesh"),
             watertight: of("watertight"),
-            waived: Box::new(waived.expect("it takes every mesh")),
+            promised: erased(promised),
+            waived: erased(waived_watertight),
             exact: of("exact"),
         }
     }
@@ -189,7 +153,7 @@ impl Leaving<'_, '_> {
             ),
             (
                 of("watertight", &*trees.waived),
-                vec![("robust-boxes", of("watertight", &*trees.watertight))],
+                vec![("robust-boxes", of("watertight", &*trees.promised))],
             ),
             (
                 reference(),

@@ -9,15 +9,13 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use rand::SeedableRng as _;
 use rand_pcg::Pcg64;
 use rayon::ThreadPool;
-use trisect_catalog::{Builder, Entry, Leaves, Tree};
+use trisect_catalog::{BuildTree, Builder, Leaves, Tree, every_triangle, scalar_tree};
 use trisect_core::Triangle;
 use trisect_method::UnsuitableMesh;
-use trisect_moller_trumbore::MollerTrumbore;
 use trisect_render::{
     Image, ImageFormat, Mode, Occlusion, Renderer, Sampling, Settings, Stage, Watch,
 };
 use trisect_scene::Scene;
-use trisect_tracer::{EveryTriangle, ScalarBvh};
 
 use super::Pictures;
 use super::record::{FrameSeries, Frames, Picture};
@@ -235,19 +233,15 @@ impl Drawing<'_, '_> {
 
     /// From the plain tracer to this one, one technique after another.
     fn techniques(&mut self, mirror: &Scene) -> Result<(), StudyError> {
-        type Mt = MollerTrumbore;
         let (one, all) = (pool(1)?, pool(self.study.threads)?);
         let leaves = Leaves::Cheapest;
-        let plain = stage(mirror, |triangles| Ok(Box::new(EveryTriangle::<Mt>::new(triangles)?)));
-        let scalar = stage(mirror, |triangles| {
-            Ok(Box::new(ScalarBvh::<Mt>::build(triangles, Builder::Spatial)?))
-        });
-        let of = |entry: &'static Entry| {
+        let of = |build: BuildTree| {
             Stage::new(mirror.clone(), |triangles: &[Triangle<f32>]| {
-                (entry.erased_tree)(triangles, Builder::Spatial, leaves)
+                build(triangles, Builder::Spatial, leaves)
             })
         };
-        let lanes = of(reference()).expect("the reference takes every mesh");
+        let [plain, scalar, lanes] = [every_triangle, scalar_tree, reference().erased_tree]
+            .map(|build| of(build).expect("the reference takes every mesh"));
         // Tiles so small that all threads have their share of a small picture.
         let small = self.study.size(SMALL);
         let settings = || Settings { tile: 16, ..base(small) };
@@ -265,8 +259,9 @@ impl Drawing<'_, '_> {
         // The kernel: all in turn with the rest, and the fastest is the technique.
         let techniques = contenders.len();
         let entries = self.study.methods.iter();
-        let kernels: Vec<(&str, Stage)> =
-            entries.filter_map(|entry| Some((entry.info.name, of(entry).ok()?))).collect();
+        let kernels: Vec<(&str, Stage)> = entries
+            .filter_map(|entry| Some((entry.info.name, of(entry.erased_tree).ok()?)))
+            .collect();
         for (name, stage) in &kernels {
             let of = (stage, leaves, *name);
             contenders.push(Self::contender(series, "kernel", of, settings(), &all));
