@@ -1,6 +1,6 @@
 //! Instruction sets, chosen at run time.
 
-use fearless_simd::{Level, Simd};
+use fearless_simd::Level;
 
 use crate::named;
 
@@ -68,6 +68,7 @@ impl Token for () {
     }
 }
 
+#[cfg(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))]
 macro_rules! token {
     ($token:ty, $set:ident, $as:ident) => {
         impl Token for $token {
@@ -77,14 +78,14 @@ macro_rules! token {
             }
             #[inline(always)]
             fn run<R>(self, f: impl FnOnce() -> R) -> R {
-                self.vectorize(f)
+                fearless_simd::Simd::vectorize(self, f)
             }
         }
     };
 }
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 mod x86 {
-    use super::{InstructionSet, Level, Simd, Token};
+    use super::{InstructionSet, Level, Token};
     use fearless_simd::x86::{Avx2, Avx512, Sse2, Sse4_2};
     token!(Sse2, Sse2, as_sse2);
     token!(Sse4_2, Sse42, as_sse4_2);

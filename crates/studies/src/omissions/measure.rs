@@ -6,8 +6,9 @@ use std::time::Duration;
 use rand::SeedableRng as _;
 use rand_pcg::Pcg64;
 
+use super::code;
 use super::record::{Layer, Omission};
-use super::{Omissions, code};
+use super::settings::Omissions;
 use crate::study::{Run, StudyError};
 use crate::timing::{self, WrongAnswer, nanoseconds};
 

@@ -12,7 +12,6 @@ mod tracer;
 
 use std::fmt::Display;
 
-use trisect_catalog::Entry;
 use trisect_report::document::Document;
 
 use crate::record::Records;
@@ -21,23 +20,7 @@ use crate::study::{About, Run, Study, StudyError};
 pub use document::{OmissionKind, OmissionSummary, TimedOmission, omission_summary};
 pub use explain::{ExplainedPart, Explanation, explain};
 pub use record::{Code, Layer, Omission};
-pub use settings::Settings;
-
-/// What is studied, and how long.
-pub struct Omissions {
-    /// Seed of rays, triangles and the order of samples.
-    pub seed: u64,
-    /// The methods whose kernels are timed.
-    pub methods: Vec<&'static Entry>,
-    /// Samples of each kind.
-    pub rounds: usize,
-    /// Rays, and triangles, that kernels are timed on.
-    pub tests: usize,
-    /// Side, in pixels, of the picture whose rays meet a mesh.
-    pub pixels: usize,
-    /// Pixels across and down of the pictures of scenes.
-    pub picture: [u32; 2],
-}
+pub use settings::{Omissions, Settings};
 
 impl Study for Omissions {
     const ABOUT: About = About {

@@ -1,8 +1,8 @@
 //! What the study of what is left out can be asked for.
 
 use clap::Args;
+use trisect_catalog::Entry;
 
-use super::Omissions;
 use crate::input::methods;
 use crate::study::StudyError;
 
@@ -24,6 +24,22 @@ pub struct Settings {
     /// Divide the sides of all pictures, and the number of tests, for a trial
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub shrink: u32,
+}
+
+/// What is studied, and how long.
+pub struct Omissions {
+    /// Seed of rays, triangles and the order of samples.
+    pub seed: u64,
+    /// The methods whose kernels are timed.
+    pub methods: Vec<&'static Entry>,
+    /// Samples of each kind.
+    pub rounds: usize,
+    /// Rays, and triangles, that kernels are timed on.
+    pub tests: usize,
+    /// Side, in pixels, of the picture whose rays meet a mesh.
+    pub pixels: usize,
+    /// Pixels across and down of the pictures of scenes.
+    pub picture: [u32; 2],
 }
 
 impl Settings {

@@ -11,10 +11,10 @@ use trisect_core::FloatFormat;
 use trisect_method::{Output, UnsuitableMesh};
 use trisect_workloads::{Mesh, RayClass};
 
-use super::Tracer;
 use super::race::{Contender, Order, race};
 use super::rays::{ClassOfRays, classes_of_rays};
 use super::record::{Contest, Traced, TreeBuilt};
+use super::settings::Tracer;
 use crate::comparison::{MethodFacts, Refusal, Throughput, Workload, compare, timing};
 use crate::kernels::reference;
 use crate::record::Line;

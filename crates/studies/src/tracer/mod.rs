@@ -9,9 +9,7 @@ mod settings;
 
 use std::fmt::Display;
 
-use trisect_catalog::Entry;
 use trisect_report::document::Document;
-use trisect_workloads::Mesh;
 
 use crate::record::Records;
 use crate::study::{About, Run, Study, StudyError};
@@ -19,25 +17,9 @@ use crate::study::{About, Run, Study, StudyError};
 pub use document::{StudyRow, StudySummary, study_summary};
 pub use rays::{ClassOfRays, classes_of_rays};
 pub use record::{Contest, Traced, TreeBuilt};
-pub use settings::Settings;
+pub use settings::{Settings, Tracer};
 
 pub(crate) use measure::thread_counts;
-
-/// What is studied, and how long.
-pub struct Tracer {
-    /// Seed of rays and of the order of samples.
-    pub seed: u64,
-    /// The methods.
-    pub methods: Vec<&'static Entry>,
-    /// The scenes.
-    pub scenes: Vec<Mesh>,
-    /// Side, in pixels, of the picture whose rays meet a scene.
-    pub pixels: usize,
-    /// Samples of everything that is timed.
-    pub rounds: usize,
-    /// Threads, at most.
-    pub threads: usize,
-}
 
 impl Study for Tracer {
     const ABOUT: About = About {

@@ -3,9 +3,9 @@
 use std::fmt::Display;
 
 use clap::Args;
+use trisect_catalog::Entry;
 use trisect_workloads::{Mesh, hall};
 
-use super::Tracer;
 use crate::input::{MOVE, Subjects, method, methods};
 use crate::kernels::REFERENCE;
 use crate::study::{StudyError, threads};
@@ -31,6 +31,22 @@ pub struct Settings {
     /// Threads, at most; all processors if left out
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+}
+
+/// What is studied, and how long.
+pub struct Tracer {
+    /// Seed of rays and of the order of samples.
+    pub seed: u64,
+    /// The methods.
+    pub methods: Vec<&'static Entry>,
+    /// The scenes.
+    pub scenes: Vec<Mesh>,
+    /// Side, in pixels, of the picture whose rays meet a scene.
+    pub pixels: usize,
+    /// Samples of everything that is timed.
+    pub rounds: usize,
+    /// Threads, at most.
+    pub threads: usize,
 }
 
 impl Settings {
