@@ -6,6 +6,7 @@ mod race;
 mod rays;
 mod record;
 mod settings;
+mod together;
 
 use std::fmt::Display;
 
@@ -18,10 +19,11 @@ use crate::study::{About, Run, Study, StudyError};
 
 pub use document::{StudyRow, StudySummary, study_summary};
 pub use rays::{ClassOfRays, classes_of_rays};
-pub use record::{Contest, Traced, TreeBuilt};
+pub use record::{Contest, Traced, TreeBuilt, TreeChecked};
 pub use settings::Settings;
 
 pub(crate) use measure::thread_counts;
+pub(crate) use together::{both_classes, together};
 
 /// What is studied, and how long.
 pub struct Tracer {

@@ -5,9 +5,9 @@ use crate::record::{Header, Records, Variant};
 use serde::Serialize;
 use trisect_core::FloatFormat;
 use trisect_kernels::Arrangement;
-use trisect_method::Output;
 
-use super::view::{BASELINE, View};
+use super::answers::Answers;
+use super::view::View;
 use trisect_report::format::mtests;
 use trisect_report::stats::pareto_front;
 
@@ -16,29 +16,12 @@ use trisect_report::stats::pareto_front;
 pub struct Summary {
     /// Who measured, where and how.
     pub header: Header,
-    /// The fastest variant for each need that was timed, cheapest need first.
-    pub winners: Vec<Winner>,
+    /// Which method to use.
+    pub answers: Answers,
     /// Variants that no other beats in both error and time, fastest first.
     pub front: Vec<FrontPoint>,
     /// One row per method, by year.
     pub methods: Vec<MethodRow>,
-}
-
-/// The fastest variant for one need.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Winner {
-    /// `occlusion`, `t` or `barycentrics`.
-    pub needs: Output,
-    /// The variant.
-    pub variant: Variant,
-    /// The workloads that all variants ran and that the speed is a mean over.
-    pub workloads: Vec<String>,
-    /// Million tests per second: geometric mean over the workloads.
-    pub million_tests_per_second: f64,
-    /// How many times as fast as the fastest scalar f32 variant of the same method.
-    pub over_own_scalar: Option<f64>,
-    /// How many times as fast as the fastest scalar f32 variant of Möller–Trumbore.
-    pub over_scalar_moller_trumbore: Option<f64>,
 }
 
 /// A variant's place in the plane of error and time.
@@ -126,7 +109,6 @@ pub fn summary(records: &Records) -> Summary {
 
 pub(crate) fn of_view(view: &View) -> Summary {
     let plane = plane(view);
-    let winners = view.needs().iter().filter_map(|&need| winner(view, need)).collect();
     let main = view.main_need().map(|need| view.comparable(|v| v.needs == need).scores());
     let scores = main.unwrap_or_default();
     let methods = view
@@ -144,29 +126,10 @@ pub(crate) fn of_view(view: &View) -> Summary {
         .collect();
     Summary {
         header: view.records.header.clone(),
-        winners,
+        answers: Answers::of(view),
         front: plane.front.iter().map(|&i| plane.points[i].clone()).collect(),
         methods,
     }
-}
-
-fn winner(view: &View, need: Output) -> Option<Winner> {
-    let comparable = view.comparable(|v| v.needs == need);
-    let scores = comparable.scores();
-    let &(variant, ns) = scores.first()?;
-    let scalar = |method: &str| {
-        let is =
-            |v: &Variant| v.method == method && v.precision == FloatFormat::F32 && v.width == 1;
-        scores.iter().find(|(v, _)| is(v)).map(|(_, base)| base / ns)
-    };
-    Some(Winner {
-        needs: need,
-        variant: variant.clone(),
-        workloads: comparable.workloads.iter().map(ToString::to_string).collect(),
-        million_tests_per_second: mtests(ns),
-        over_own_scalar: scalar(&variant.method),
-        over_scalar_moller_trumbore: scalar(BASELINE),
-    })
 }
 
 fn precision_row(
