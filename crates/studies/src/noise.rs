@@ -173,7 +173,7 @@ mod tests {
     fn steady_times_of_a_thread_that_always_ran_are_quiet() {
         let noise = of(&[QUIET, QUIET], 999);
         assert_eq!(noise.verdict(), Verdict::Quiet);
-        assert_eq!(noise.says(), "quiet (0.1 % stolen, drift 0.3 %, spread 0.2 %)");
+        assert_eq!(noise.says(), "quiet (0.1 % stolen, drift 0.2 %, spread 0.2 %)");
     }
 
     /// One that jumps is uncertain, and shows nothing of the machine; when all jump in one round it does.

@@ -10,7 +10,7 @@ use trisect_catalog::{Builder, entries, find};
 use trisect_core::{FloatFormat, Ray, Triangle};
 use trisect_mesh::Mesh;
 use trisect_method::Culling;
-use trisect_report::document::{Content, Document, Section};
+use trisect_report::document::{Content, Document, Section, Shown};
 
 use crate::comparison::document::view::View;
 use crate::comparison::{Answers, Family, Refusal, Task, Timed, compare};
@@ -108,11 +108,11 @@ fn of_record(mesh: &Mesh, tried: usize, records: &Records) -> Recommendation {
     let notes = refused.iter().map(|refused| {
         ("  ".to_owned(), format!("without {}: {}", refused.method, refused.reason))
     });
-    sections.push(Section::new("", "", Content::List(notes.collect())));
+    sections.push(Section::new("", "", Content::List(notes.collect())).shown(Shown::Terminal));
     if tried < mesh.triangles.len() {
         let all = mesh.triangles.len();
-        sections
-            .push(Section::prose(format!("Every triangle was tested of {tried} of the {all}.")));
+        let says = format!("Every triangle was tested of {tried} of the {all}.");
+        sections.push(Section::prose(says).shown(Shown::Terminal));
     }
     let document = Document { title: "", heading: "", source: source(&records.header), sections };
     Recommendation {

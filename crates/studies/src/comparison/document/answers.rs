@@ -155,12 +155,16 @@ impl Answers {
         if self.scenes.iter().any(|(_, triangles)| *triangles <= FEW) {
             both.reverse();
         }
-        both.into_iter().flatten().collect()
+        both.into_iter().flatten().flatten().collect()
     }
 
-    fn in_a_tree(&self) -> Option<Section> {
-        let scenes = self.scenes.iter().map(|(name, n)| format!("{name} ({})", grouped(*n as u64)));
-        let scenes = scenes.collect::<Vec<_>>().join(", ");
+    fn in_a_tree(&self) -> Option<[Section; 2]> {
+        let scenes = self.scenes.iter();
+        let scenes = scenes.map(|(name, n)| format!("{name}, {} triangles", grouped(*n as u64)));
+        let head = format!(
+            "**Rays against a mesh: use a tree.** {}; million rays/s on one thread.",
+            scenes.collect::<Vec<_>>().join("; "),
+        );
         let matters = match self.most_behind {
             Some(most) if most < 0.5 => format!(
                 " The choice matters little: all {} methods that are compiled into the loop are within {} of \
@@ -174,49 +178,52 @@ impl Answers {
         let error = self.trees.iter().map(|answer| or_dash(answer.error, scientific));
         let [build, error] = [distinct(build), distinct(error)].map(|all| all.join(", "));
         let says = format!(
-            "Rays against a mesh, in a tree: {scenes}. Million rays/s on one thread, closest hit and any hit \
-             in batches, 1 ray: a call for each. wrong: rays in 10⁶ of {} decided otherwise than exact \
-             arithmetic does; cracks: of {} aimed at edges between two triangles, those in 10⁶ that pass. \
-             Trees were built in {build} ms; largest errors of t {error}.{matters}",
+            "closest, any: hits of batches; 1 ray: a call for each. ±: 95 % interval; else the difference to \
+             the fastest, none where it is not told apart. wrong: rays in 10⁶, of {} checked by exact \
+             arithmetic; cracks: of {} aimed at edges between two triangles, those in 10⁶ that pass. Built in \
+             {build} ms; largest relative errors of t: {error}.{matters}",
             grouped(self.checked[0] as u64),
             grouped(self.checked[1] as u64),
         );
-        let table = head(&self.trees, &["closest", "any", "one"])
+        let table = columns(&self.trees, &["closest", "any", "one"])
             .number("wrong", number, |answer| answer.wrong_per_million)
             .number("cracks", number, |answer| answer.cracks_per_million)
             .number("B/tri", count, |answer| answer.bytes_per_triangle);
-        (!self.trees.is_empty()).then(|| {
-            Section::table("in-a-tree", "In a tree", says, table.done())
-                .shown(Shown::Everywhere)
-                .part("answers")
-        })
+        answered(head, Section::table("in-a-tree", "In a tree", says, table.done()))
     }
 
-    fn in_loops(&self, view: &View) -> Option<Section> {
-        let refused = distinct(view.all::<Refusal>().map(|refusal| refusal.method.as_str())).len();
-        let refused = match refused {
-            0 => String::new(),
-            count => format!(" Without {count} methods that do not take all of it."),
+    fn in_loops(&self, view: &View) -> Option<[Section; 2]> {
+        let head = "**A few triangles, or leaves of your own: test them all.** Million tests/s on one core, one \
+                    ray at a time.";
+        let refused = distinct(view.all::<Refusal>().map(|refusal| refusal.method.as_str()));
+        let refused = match refused[..] {
+            [] => String::new(),
+            _ => format!(" Without {}, which not all of it suits.", refused.join(", ")),
         };
         let says = format!(
-            "A few triangles, or leaves of your own, every one tested: million tests/s on one core, one ray \
-             at a time, when asked whether it hits, for t, or t with β and γ. err t: relative error of t, 99th \
-             percentile; wrong: decisions in 10⁶.{refused}",
+            "hit, t, t β γ: what is asked for. err t: relative error of t, 99th percentile; wrong: decisions in \
+             10⁶.{refused}",
         );
-        let table = head(&self.loops, &["occlusion", "t", "barycentrics"])
+        let table = columns(&self.loops, &["occlusion", "t", "barycentrics"])
             .number("err t", scientific, |answer| answer.error)
             .number("wrong", number, |answer| answer.wrong_per_million)
             .number("B", count, |answer| answer.bytes_per_triangle);
-        (!self.loops.is_empty()).then(|| {
-            Section::table("every-triangle", "Testing every triangle", says, table.done())
-                .shown(Shown::Everywhere)
-                .part("answers")
-        })
+        answered(
+            head.to_owned(),
+            Section::table("every-triangle", "Every triangle", says, table.done()),
+        )
     }
 }
 
+/// What a table answers, and the table; nothing where it has no rows.
+fn answered(head: String, table: Section) -> Option<[Section; 2]> {
+    let both = [Section::prose(head), table];
+    (!both[1].is_empty())
+        .then(|| both.map(|section| section.shown(Shown::Everywhere).part("answers")))
+}
+
 /// The columns that both tables begin with.
-fn head<'a>(answers: &'a [Answer], speeds: &[&'static str]) -> Columns<'a, Answer> {
+fn columns<'a>(answers: &'a [Answer], speeds: &[&'static str]) -> Columns<'a, Answer> {
     let columns =
         Table::of(answers).text("", |answer| answer.asked).name("method", |answer| &answer.method);
     speeds.iter().fold(columns, |columns, speed| {
@@ -340,21 +347,22 @@ fn rated_trees<'a>(view: &View<'a>, scenes: usize) -> Vec<Rated<'a>> {
 }
 
 /// Methods that every workload was timed with, one ray at a time in single precision, each by its fastest
-/// variant that gives what is asked. A watertight one is so in plain arithmetic and by numerators.
+/// variant that gives what is asked. A watertight one is so in plain arithmetic and by numerators,
+/// but for one that is exact, in any.
 fn rated_loops<'a>(view: &View<'a>) -> Vec<Rated<'a>> {
     let refused = |method: &str| {
         view.all::<Refusal>().any(|r| r.method == method && r.precision == FloatFormat::F32)
     };
     let rated = |method: &'a str| {
         let facts = view.fact(method)?;
-        let is_watertight = PROMISES[2].1(facts);
+        let is_bound = PROMISES[2].1(facts) && !PROMISES[3].1(facts);
         let of = |asked: Output| {
             let keep = |v: &Variant| {
                 v.method == method
                     && v.precision == FloatFormat::F32
                     && v.arrangement == Arrangement::OneRay
                     && gives(v.needs, asked)
-                    && (!is_watertight
+                    && (!is_bound
                         || (v.arithmetic == MultiplyAdd::Plain && v.division == Form::Deferred))
             };
             let comparable = view.comparable(keep);

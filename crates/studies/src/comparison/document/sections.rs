@@ -2,10 +2,10 @@
 
 use crate::comparison::record::{Agreement, MethodFacts, PartCost, Refusal, Workload};
 use crate::record::{Records, Variant};
-use trisect_core::FloatFormat::{self, F32, F64};
+use trisect_core::FloatFormat::{self, F32};
 use trisect_method::Output;
 
-use super::summary::{MethodRow, PrecisionRow, Summary, of_view};
+use super::summary::of_view;
 use super::view::{BASELINE, View, finish_label, lanes_label};
 use super::{figures, havel, needs};
 use crate::lines::source;
@@ -30,10 +30,6 @@ pub(crate) fn document(records: &Records) -> Document {
         workloads(view),
         methods(view),
     ]);
-    let says = "f32, f64: best million tests/s. err: relative error of t in f32 against exact arithmetic. \
-                wrong/M: false hits and misses per million pairs in f32. prep: ns per triangle in f32. \
-                B: bytes per triangle in f32.";
-    sections.push(Section::brief(brief(&summary), says));
     sections.push(costs(view));
     sections.extend(havel::sections(view));
     sections.extend(needs::sections(view));
@@ -202,26 +198,6 @@ fn methods(view: &View) -> Section {
     let items = view.facts.iter().map(item).collect();
     Section::new("methods", "Methods", Content::List(items))
         .missing("Left out: the record describes no methods.")
-}
-
-/// A row per method, for a terminal.
-fn brief(summary: &Summary) -> Table {
-    fn single(row: &MethodRow) -> Option<&PrecisionRow> {
-        row.precision(F32)
-    }
-    let speed = |row: Option<&PrecisionRow>| row.and_then(|p| p.million_tests_per_second);
-    let error = |row: &MethodRow| single(row).and_then(|p| p.error_of_t);
-    Table::of(&summary.methods)
-        .name("method", |row| &row.method)
-        .number("B", count, |row| single(row)?.bytes_per_triangle.map(|b| b as f64))
-        .number("f32", number, |row| speed(single(row)))
-        .number("f64", number, |row| speed(row.precision(F64)))
-        .number("err p50", scientific, |row| Some(error(row)?.median))
-        .number("p99", scientific, |row| Some(error(row)?.p99))
-        .number("max", scientific, |row| Some(error(row)?.max))
-        .number("wrong/M", number, |row| single(row)?.wrong_per_million)
-        .number("prep", number, |row| single(row)?.preparation_ns)
-        .done()
 }
 
 /// One table over all methods, for the documents.

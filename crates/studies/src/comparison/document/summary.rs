@@ -150,10 +150,3 @@ fn precision_row(
         preparation_ns: view.preparation(method, precision),
     }
 }
-
-impl MethodRow {
-    /// The row of one precision.
-    pub fn precision(&self, precision: FloatFormat) -> Option<&PrecisionRow> {
-        self.precisions.iter().find(|p| p.precision == precision)
-    }
-}
