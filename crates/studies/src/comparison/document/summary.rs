@@ -31,7 +31,7 @@ pub struct FrontPoint {
     pub variant: Variant,
     /// Nanoseconds per test: geometric mean over the workloads that all variants ran.
     pub ns_per_test: f64,
-    /// Median relative error of t against the oracle.
+    /// Relative error of t against the oracle, 99th percentile.
     pub error: f64,
 }
 
@@ -92,7 +92,7 @@ pub(crate) fn plane(view: &View) -> Plane {
             seen.insert(values)
         })
         .filter_map(|(v, ns)| {
-            let error = view.error(v, "t")?.median;
+            let error = view.error(v, "t")?.p99;
             Some(FrontPoint { variant: v.clone(), ns_per_test: ns, error })
         })
         .collect();
