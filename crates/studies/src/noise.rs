@@ -162,7 +162,7 @@ mod tests {
     fn of(contenders: &[[u64; 5]], processor_ms: u64) -> Noise {
         let mut meter = Meter::default();
         let spent = Spent {
-            wall: Duration::from_millis(1000),
+            wall: Duration::from_secs(1),
             processor: Some(Duration::from_millis(processor_ms)),
         };
         meter.take(contenders.iter().map(|samples| &samples[..]), spent);

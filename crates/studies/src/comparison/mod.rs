@@ -19,8 +19,8 @@ use crate::study::{About, Run, Study, StudyError};
 use crate::tracer::{both_classes, together};
 
 pub use document::{
-    Answer, Answers, ComparedVariant, ErrorDifference, Filter, FrontPoint, MethodRow, PrecisionRow,
-    Ranked, Ranking, RecordComparison, Speed, Summary, compare_records, rank, summary,
+    Answer, Answers, ComparedVariant, ErrorDifference, Filter, FrontPoint, Ranked, Ranking,
+    RecordComparison, Speed, Summary, compare_records, rank, summary,
 };
 pub use measure::compare;
 pub use record::{

@@ -8,27 +8,19 @@ use trisect_core::FloatFormat::{self, F32, F64};
 use trisect_core::InstructionSet;
 use trisect_method::{Form, Input};
 
-use super::summary::{FrontPoint, Plane as Variants, plane};
+use super::summary::{FrontPoint, plane};
 use super::view::{BASELINE, View, finish_label, lanes_label, need_in_prose};
 use trisect_report::document::Section;
 use trisect_report::figure::{
     Axis, Drawing, Entry, Group, Ink, Look, Mark, Panel, Plane, Row, Sample, Scale, Series, Shape,
     points,
 };
-use trisect_report::format::{bytes, mtests, number, percent, ratio, tick};
+use trisect_report::format::{bytes, mtests, percent, ratio, tick};
 use trisect_report::stats::{geometric_mean, pareto_front};
 
 /// All figures, the headline first.
-pub(super) fn all(view: &View) -> [Section; 7] {
-    [
-        pareto(view),
-        throughput(view),
-        error(view),
-        division(view),
-        early_out(view),
-        hit_rate(view),
-        working_set(view),
-    ]
+pub(super) fn all(view: &View) -> [Section; 5] {
+    [pareto(view), division(view), early_out(view), hit_rate(view), working_set(view)]
 }
 
 const NOTHING_TIMED: &str = "Left out: the record holds no throughput.";
@@ -74,7 +66,7 @@ fn family(view: &View, method: &str) -> usize {
 }
 
 fn pareto(view: &View) -> Section {
-    let Variants { points, workloads, .. } = plane(view);
+    let (points, workloads) = plane(view);
     // Of each method in each precision the fastest variant: they come fastest first.
     let mut shown: Vec<&FrontPoint> = Vec::new();
     for point in &points {
@@ -198,58 +190,6 @@ fn values(groups: &[Group]) -> impl Iterator<Item = f64> {
         Mark::Bar(x) | Mark::Point { at: x, .. } => [x, x],
         Mark::Span(a, b) => [a, b],
     })
-}
-
-fn throughput(view: &View) -> Section {
-    let comparable = view.comparable(|v| Some(v.needs) == view.main_need());
-    let scores = comparable.scores();
-    let panels = by_lanes(view, |is| {
-        let (_, ns) = scores.iter().find(|(v, _)| is(v))?;
-        Some((vec![Mark::Bar(mtests(*ns))], number(mtests(*ns))))
-    });
-    let shown: Vec<f64> = panels.iter().flat_map(|(_, g)| values(g)).chain([0.0]).collect();
-    let axis = Axis::over("million tests per second", Scale::Linear, shown, tick);
-    let draw = |(title, groups): (String, _)| Panel::rows(&title, axis.clone(), None, groups);
-    let caption = format!(
-        "Million tests per second when asked for {}: the fastest division, arithmetic, arrangement and \
-         early-out of each method at each width, by the geometric mean {} of the median over rounds.",
-        asked(view),
-        on(&comparable.workloads)
-    );
-    let drawing = Drawing::of(panels.into_iter().map(draw).collect());
-    Section::figure("throughput", "Throughput by method and width", caption, drawing)
-        .missing(NOTHING_TIMED)
-}
-
-fn error(view: &View) -> Section {
-    let symbols =
-        [("t", "t", Shape::Circle), ("beta", "β", Shape::Square), ("gamma", "γ", Shape::Up)];
-    let panels = by_method(view, |method, precision| {
-        let row = |(quantity, label, shape): (&str, &str, Shape)| {
-            let q = view.pooled_error((method, precision), quantity, |_| true)?;
-            let point = |at, filled| Mark::Point { at, shape, filled };
-            let span = Mark::Span(q.median, q.max);
-            let marks = vec![span, point(q.max, false), point(q.p99, false), point(q.median, true)];
-            Some(Row {
-                label: label.into(),
-                ink: view.look(method).ink,
-                marks,
-                note: String::new(),
-            })
-        };
-        symbols.into_iter().filter_map(row).collect()
-    });
-    let draw = |(title, groups): (String, Vec<Group>)| {
-        let axis = Axis::over("relative error", Scale::Log, values(&groups), tick);
-        Panel::rows(&title, axis, None, groups)
-    };
-    let caption = "Relative errors of t, β and γ against exact arithmetic, over the hits that a method \
-                   shares with the oracle. Filled: the median; hollow: the 99th percentile, then the \
-                   largest. Median and percentile are medians over variants and workloads; the largest is \
-                   the largest of all. A point on 0 is exact.";
-    let drawing = Drawing::of(panels.into_iter().map(draw).collect());
-    Section::figure("error", "Error by method", caption, drawing)
-        .missing("Left out: the record holds no errors against the oracle.")
 }
 
 /// Pairs of variants that differ in one field only: the first of each has the field as `first`

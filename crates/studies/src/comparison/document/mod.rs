@@ -13,6 +13,6 @@ pub(crate) mod view;
 pub use answers::{Answer, Answers, Speed};
 pub use compare::{ComparedVariant, ErrorDifference, RecordComparison, compare_records};
 pub use rank::{Filter, Ranked, Ranking, rank};
-pub use summary::{FrontPoint, MethodRow, PrecisionRow, Summary, summary};
+pub use summary::{FrontPoint, Summary, summary};
 
 pub(crate) use sections::document;

@@ -5,7 +5,7 @@ use crate::record::{Records, Variant};
 use trisect_core::FloatFormat::{self, F32};
 use trisect_method::Output;
 
-use super::summary::of_view;
+use super::answers::Answers;
 use super::view::{BASELINE, View, finish_label, lanes_label};
 use super::{figures, havel, needs};
 use crate::lines::source;
@@ -16,8 +16,7 @@ use trisect_report::table::{Cell, Kind, Table, count};
 
 pub(crate) fn document(records: &Records) -> Document {
     let view = &View::new(records);
-    let summary = of_view(view);
-    let mut sections = summary.answers.sections(view);
+    let mut sections = Answers::of(view).sections(view);
     if sections.is_empty() {
         let missing = "Nothing was timed, so nothing is the fastest.";
         sections.push(Section::prose("").shown(Shown::Everywhere).missing(missing));
