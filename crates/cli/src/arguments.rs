@@ -13,14 +13,14 @@ use trisect_studies::input::{Reading, Subjects};
 use trisect_studies::{Choice, comparison};
 
 pub(crate) use values::{Cull, Light, Width};
-use values::{builders, error, named, positive, seconds};
+use values::{builders, named, positive};
 
 use crate::studies::Published;
 
 /// Compares ray–triangle intersection methods on this machine: error against run time.
 ///
-/// Without a verb: measures every method on random triangles and on the Stanford bunny, prints
-/// the winners and writes a page to reports/latest/.
+/// Without a verb: measures every method on random triangles and on the Stanford bunny, says which to
+/// use, and writes a page to reports/latest/.
 #[derive(Debug, Parser)]
 #[command(version, args_conflicts_with_subcommands = true, max_term_width = 100)]
 pub(crate) struct Arguments {
@@ -52,7 +52,7 @@ pub(crate) enum Verb {
     Query(Query),
     /// Render a scene to a picture
     Render(Render),
-    /// Recommend a kernel for a mesh, its rays and what is asked
+    /// Recommend methods for a mesh and its rays
     Recommend(Recommend),
     /// Explain what a scene needs, what is left out for it, and what that gains
     Explain(Explain),
@@ -244,10 +244,7 @@ pub(crate) struct Explain {
     /// Pictures of each kind
     #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: u32,
-    /// Seconds that kernels race on the scene's own triangles and its camera's rays; 0 for no race
-    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = seconds)]
-    pub seconds: f64,
-    /// Seed of the order of pictures, and of the choice of rays
+    /// Seed of the order of pictures
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Threads
@@ -260,37 +257,24 @@ pub(crate) struct Explain {
     pub reading: Reading,
 }
 
-/// Recommend a kernel: measure all that answer what is asked on your own triangles and rays, and name the
-/// fastest, with the lines of Rust that use it.
+/// Recommend methods for your own mesh and rays: the fastest, one without cracks and one that is never wrong, in a
+/// tree and where every triangle is tested, with the lines of Rust that use them.
 ///
-/// A kernel that takes a hit for a miss, a miss for a hit or another triangle for the closest one is never
-/// recommended, whatever error is allowed. All are held to exact arithmetic on some rays against some
-/// triangles, the fastest on all rays (or some millions of pairs) against the triangles whose boxes they
-/// meet; how many decisions each was wrong about is said.
+/// Methods in trees are those that are compiled into the loop, in turn on one thread. Their answers are held to
+/// exact arithmetic on your rays, and to rays aimed at the mesh's edges. What decides anything wrongly is
+/// not called never wrong, and what does not take the mesh is named.
 #[derive(Debug, Args)]
 pub(crate) struct Recommend {
     /// Mesh: PLY, OBJ, STL or glTF
     #[arg(long, value_name = "FILE")]
     pub mesh: PathBuf,
-    /// Rays: CSV, binary .rays, or - for CSV from standard input; a camera's, diffusely scattered
-    /// ones and shadow rays if left out
+    /// Rays: CSV, binary .rays, or - for CSV from standard input; a camera's, random and diffusely
+    /// scattered ones, and shadow rays if left out
     #[arg(long, value_name = "FILE")]
     pub rays: Option<PathBuf>,
-    /// What is asked of a hit
-    #[arg(long, default_value = "barycentrics", value_parser = named::<Output>())]
-    pub needs: Output,
-    /// The largest error allowed: relative of t, absolute of barycentrics
-    #[arg(long, value_name = "X", value_parser = error)]
-    pub max_error: Option<f64>,
-    /// Only kernels that let no ray pass between triangles that share an edge
-    #[arg(long)]
-    pub watertight: bool,
-    /// Seconds that the kernels race
-    #[arg(long, value_name = "N", default_value_t = 4.0, value_parser = seconds)]
-    pub seconds: f64,
-    /// Measure all kernels as well, and say how far the choice is behind the best
-    #[arg(long)]
-    pub exhaustive: bool,
+    /// Samples of everything that is timed
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub rounds: u32,
     /// Seed of every random choice
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,

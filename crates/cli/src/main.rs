@@ -3,7 +3,6 @@
 
 mod arguments;
 mod explain;
-mod lines;
 mod list;
 mod output;
 mod progress;
@@ -22,7 +21,6 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{CommandFactory as _, Parser as _};
 use trisect_mesh::cut;
-use trisect_studies::recommend::RecommendError;
 use trisect_studies::{StudyError, WrongAnswer};
 
 use arguments::{Arguments, Verb};
@@ -74,9 +72,8 @@ fn ended(done: Result<()>, code: ExitCode) -> ExitCode {
         Err(error) => {
             output::say(format_args!("trisect: {}", cut(&format!("{error:#}"), LONGEST)));
             // 2: the input is at fault, as for clap's own errors; 1: trisect is.
-            let is_ours = error.is::<WrongAnswer>()
-                || error.downcast_ref().is_some_and(StudyError::is_a_bug)
-                || matches!(error.downcast_ref(), Some(RecommendError::WrongAnswer(_)));
+            let is_ours =
+                error.is::<WrongAnswer>() || error.downcast_ref().is_some_and(StudyError::is_a_bug);
             ExitCode::from(if is_ours { 1 } else { 2 })
         }
     }

@@ -1,62 +1,32 @@
-//! `trisect recommend`: one kernel for a mesh and its rays, with the lines that use it.
-
-use std::time::Duration;
+//! `trisect recommend`: which method to use for a mesh and its rays, with the lines that use it.
 
 use anyhow::Result;
-use serde::Serialize;
-use trisect_studies::comparison;
-use trisect_studies::input;
-use trisect_studies::recommend::{self, RecommendSettings, Recommendation};
+use trisect_studies::recommend;
+use trisect_studies::{Taken, input};
 
 use crate::arguments::Recommend;
 use crate::output::COLUMNS;
 use crate::progress::Bar;
-use crate::studies::say;
-use crate::{lines, output, reading};
-
-/// What is printed as JSON.
-#[derive(Serialize)]
-struct Report {
-    mesh: String,
-    #[serde(flatten)]
-    found: Recommendation,
-    /// The lines that use the first of the ranking.
-    rust: String,
-}
+use crate::studies::{command, say};
+use crate::{output, reading};
 
 pub(crate) fn run(arguments: &Recommend) -> Result<()> {
     let mesh = input::load_mesh(&arguments.mesh, &arguments.reading, &say)?;
-    input::say_rounding(
-        &arguments.mesh,
-        mesh.rounding(),
-        "kernels in f32 are judged by where they move to",
-        &say,
-    );
-    let inputs = match &arguments.rays {
+    input::say_rounding(&arguments.mesh, mesh.rounding(), input::MOVE, &say);
+    let rays = match &arguments.rays {
         Some(path) => {
             let rays = reading::load_rays(path, &arguments.reading)?;
             reading::some_rays(&rays, path)?;
-            comparison::inputs(rays, &mesh)
+            Some(rays.rays_f32)
         }
-        None => comparison::inputs_of(comparison::usual_rays(arguments.seed, &mesh), &mesh),
+        None => None,
     };
-    let settings = RecommendSettings {
-        seed: arguments.seed,
-        needs: arguments.needs,
-        max_error: arguments.max_error,
-        watertight: arguments.watertight,
-        in_tracer: false,
-        beside: None,
-        time: Duration::from_secs_f64(arguments.seconds),
-        exhaustive: arguments.exhaustive,
-    };
+    let Recommend { seed, rounds, .. } = *arguments;
+    let taken = Taken { command: command(), seed, rounds: rounds as usize };
     let mut bar = Bar::new();
-    let found = recommend::recommend(&settings, &inputs, &mut bar)?;
+    let found = recommend::recommend(&mesh, rays.as_deref(), taken, &mut bar)?;
     drop(bar);
-    let rust = found.ranking.first().map_or_else(String::new, |best| lines::of(&best.variant));
-    let report = Report { mesh: mesh.name, found, rust };
-    output::print_as(arguments.json, &report, |out| {
-        let text = recommend::recommendation_text(&report.mesh, &report.found, COLUMNS);
-        write!(out, "{text}\n{}", report.rust)
+    output::print_as(arguments.json, &found, |out| {
+        write!(out, "{}\n{}", found.to_text(COLUMNS), found.rust)
     })
 }

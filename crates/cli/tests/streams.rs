@@ -168,7 +168,7 @@ fn a_report_comes_whole_or_not_at_all() {
         let folder = Folder::new();
         let page = |name: &str| format!("{output}/{name}");
         let mine = [page("figures/mine.svg"), page("notes.txt")];
-        let old = [page("figures/error.svg"), page("index.html")];
+        let old = [page("figures/division.svg"), page("index.html")];
         folder.write("page/notes.txt", b"");
         mine.iter().chain(&old).for_each(|name| folder.write(name, b"of before"));
         let before = (folder.listing(), content(&folder));
@@ -181,7 +181,7 @@ fn a_report_comes_whole_or_not_at_all() {
         let read = |name: &String| fs::read(folder.path().join(name)).expect("it is there");
         assert!(mine.iter().all(|name| read(name) == b"of before"), "{output}");
         assert!(old.iter().all(|name| read(name).len() > 1000), "{output}");
-        assert!(read(&page("figures/throughput.svg")).len() > 1000, "{output}");
+        assert!(read(&page("figures/early-out.svg")).len() > 1000, "{output}");
         assert!(folder.listing().iter().all(|name| !name.contains(".trisect-")), "{output}");
     }
 }

@@ -33,6 +33,14 @@ pub fn quartiles(values: &[f64]) -> Option<(f64, f64)> {
     Some((quantile(values, 0.25)?, quantile(values, 0.75)?))
 }
 
+/// The median between the ends of its 95 % interval, by ranks: all values where they are five or fewer. `None`
+/// for an empty list.
+pub fn median_interval(values: &[f64]) -> Option<[f64; 3]> {
+    let reach = 0.98 / (values.len().max(1) as f64).sqrt();
+    let reach = if values.len() > 5 { reach } else { 0.5 };
+    Some([quantile(values, 0.5 - reach)?, median(values)?, quantile(values, 0.5 + reach)?])
+}
+
 /// The median absolute deviation from the median; `None` for an empty list.
 pub fn mad(values: &[f64]) -> Option<f64> {
     let centre = median(values)?;

@@ -118,16 +118,6 @@ impl Answers {
         (count, quantiles(relative), quantiles(ulps))
     }
 
-    /// How far the pairs that both call a hit are off, by a measure of choice.
-    pub(crate) fn differences(
-        &self,
-        reference: &[Pair],
-        measure: impl Fn(&Hit<f64>, &Hit<f64>) -> f64,
-    ) -> Quantiles {
-        let pairs = shared(&self.pairs, reference);
-        quantiles(pairs.map(|(pair, exact)| measure(&pair.hit, &exact.hit)).collect())
-    }
-
     /// The confusion table against the oracle.
     pub(crate) fn decisions(&self, of: &dyn Judged) -> Vec<ClassCount> {
         let mut called_hit = vec![0_u64; trisect_oracle::Class::ALL.len()];

@@ -4,6 +4,7 @@ use trisect_catalog::{Entry, Finder, Kernel, Kernels, Scene, Variant, find};
 use trisect_core::Precision;
 
 use crate::answers::Answers;
+use crate::noise::Spent;
 use crate::subject::Subject;
 use crate::timing::{Contender, Expected};
 
@@ -31,7 +32,6 @@ pub(crate) fn answers_of_widest<'a>(
 
 /// A method in one precision, prepared for timing.
 pub(crate) struct Group {
-    pub method: &'static str,
     pub bytes_per_triangle: usize,
     unit_roundoff: f64,
     scene: Scene,
@@ -67,7 +67,6 @@ impl Group {
             }
         }
         Self {
-            method: entry.info.name,
             bytes_per_triangle: entry.cost.stored_numbers * size_of::<E>(),
             unit_roundoff: E::UNIT_ROUNDOFF,
             scene,
@@ -88,6 +87,7 @@ impl Group {
             scene: &self.scene,
             expected: self.expected(kernel, subject),
             samples_ns: Vec::new(),
+            spent: Spent::default(),
             tally: None,
         }
     }

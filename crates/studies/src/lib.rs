@@ -14,6 +14,7 @@ pub mod input;
 mod kernels;
 mod lines;
 pub mod machine;
+pub mod noise;
 mod publish;
 pub mod record;
 mod registry;

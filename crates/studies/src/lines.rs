@@ -38,13 +38,15 @@ pub(crate) fn source(header: &Header) -> Source {
         ),
         ("Command", format!("`{}`", header.command)),
     ];
+    let machine = header.noise.map(|noise| ("Machine", noise.says()));
+    let noise = header.noise.map_or_else(String::new, |noise| format!(" · {}", noise.says()));
     Source {
-        line: format!("trisect {} on {}, {ghz} GHz, {}", header.trisect, m.cpu, m.compiler),
+        line: format!("trisect {} on {}, {ghz} GHz, {}{noise}", header.trisect, m.cpu, m.compiler),
         measured: format!(
             "Measured on {} at {ghz} GHz ({widest}), {}, by `{}`.",
             m.cpu, m.compiler, header.command
         ),
         generator: format!("trisect {}", header.trisect),
-        facts: facts.into(),
+        facts: facts.into_iter().chain(machine).collect(),
     }
 }

@@ -12,11 +12,14 @@ use serde::{Deserialize, Serialize};
 pub use trisect_catalog::Variant;
 use trisect_core::InstructionSet;
 
+use crate::noise::Noise;
+
 /// The version of the schema that this build writes and reads.
-pub const SCHEMA: u32 = 7;
+pub const SCHEMA: u32 = 8;
 
 /// The oldest schema that this build reads: 2 added facts about methods, refusals and cracks, 3 the
-/// stability study, 4 the study of the tracer, 5 pictures, 6 exactness and stages, 7 omissions.
+/// stability study, 4 the study of the tracer, 5 pictures, 6 exactness and stages, 7 omissions,
+/// 8 noise, and trees in a comparison.
 const OLDEST: u64 = 1;
 
 /// Who measured, where and how.
@@ -39,6 +42,9 @@ pub struct Header {
     pub rounds: usize,
     /// The machine.
     pub machine: Machine,
+    /// How steady it was; none where nothing was timed, and in records older than this field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
 }
 
 /// The machine a record was made on.

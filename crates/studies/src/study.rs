@@ -13,6 +13,7 @@ use trisect_report::document::Document;
 use trisect_scene::SceneError;
 
 use crate::machine;
+use crate::noise::Meter;
 use crate::record::{Header, Line, Parser, Records, SCHEMA};
 use crate::timing::WrongAnswer;
 
@@ -134,6 +135,7 @@ pub struct Run<'a> {
     pub lines: Vec<Line>,
     /// Hears how far it is.
     pub progress: &'a mut dyn Progress,
+    pub(crate) meter: Meter,
     ghz: Vec<f64>,
 }
 
@@ -171,7 +173,8 @@ impl Taken {
     ) -> Result<Records, E> {
         let started = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
         let mut machine = machine::facts();
-        let mut run = Run { lines: Vec::new(), progress, ghz: vec![machine::core_ghz()] };
+        let ghz = vec![machine::core_ghz()];
+        let mut run = Run { lines: Vec::new(), progress, meter: Meter::default(), ghz };
         measure(&mut run)?;
         run.ghz.sort_unstable_by(f64::total_cmp);
         machine.core_ghz = run.ghz[run.ghz.len() / 2];
@@ -186,6 +189,7 @@ impl Taken {
             seed,
             rounds,
             machine,
+            noise: run.meter.noise(),
         };
         Ok(Records { header, lines: run.lines })
     }

@@ -1,11 +1,13 @@
 //! Times kernels in rounds of random order; every sample is verified.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64;
 use trisect_catalog::{Kernel, Scene, Tally};
 use trisect_report::stats::median;
+
+use crate::noise::{self, Spent};
 
 /// As records have times: whole nanoseconds; the largest number for five hundred years and more.
 pub fn nanoseconds(time: Duration) -> u64 {
@@ -24,6 +26,8 @@ pub(crate) struct Contender<'a> {
     pub scene: &'a Scene,
     pub expected: Expected,
     pub samples_ns: Vec<u64>,
+    /// What all samples took.
+    pub spent: Spent,
     pub tally: Option<Tally>,
 }
 
@@ -53,18 +57,17 @@ pub struct WrongAnswer {
 impl Contender<'_> {
     /// Runs the kernel once; the first run of a contender is not timed.
     pub(crate) fn sample(&mut self, timed: bool) -> Result<(), WrongAnswer> {
-        let time = self.run()?;
+        let spent = self.run()?;
         if timed {
-            self.samples_ns.push(nanoseconds(time));
+            self.samples_ns.push(nanoseconds(spent.wall));
+            self.spent += spent;
         }
         Ok(())
     }
 
     /// Runs the kernel once, and says how long that took.
-    pub(crate) fn run(&mut self) -> Result<Duration, WrongAnswer> {
-        let start = Instant::now();
-        let tally = self.kernel.run(self.scene);
-        let time = start.elapsed();
+    pub(crate) fn run(&mut self) -> Result<Spent, WrongAnswer> {
+        let (tally, spent) = noise::timed(|| self.kernel.run(self.scene));
         let sum_is_right = (tally.sum - self.expected.sum).abs() <= self.expected.slack;
         let repeats = self.tally.is_none_or(|first| first == tally);
         if tally.hits != self.expected.hits || !sum_is_right || !repeats {
@@ -75,7 +78,7 @@ impl Contender<'_> {
             });
         }
         self.tally = Some(tally);
-        Ok(time)
+        Ok(spent)
     }
 }
 

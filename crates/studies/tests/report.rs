@@ -5,17 +5,21 @@ mod synthetic;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use trisect_core::FloatFormat;
 use trisect_kernels::Arrangement;
-use trisect_method::{Form, Output};
+use trisect_method::{Form, Input, Output};
 use trisect_report::stats;
 use trisect_studies::Chapter;
 use trisect_studies::comparison::Comparison;
 use trisect_studies::comparison::Quantiles;
 use trisect_studies::comparison::{
-    Decisions, Error, Filter, MethodFacts, Preparation, Throughput, compare_records, rank, summary,
+    Answer, Answers, Decisions, Error, Filter, MethodFacts, Preparation, Refusal, Throughput,
+    compare_records, rank, summary,
 };
-use trisect_studies::record::Records;
+use trisect_studies::noise::Noise;
+use trisect_studies::record::{Line, Records};
 use trisect_studies::stress::Stability;
+use trisect_studies::tracer::{TreeBuilt, TreeChecked};
 
 /// Draws into a folder that lasts as long as the test binary's target folder, to be looked at.
 fn page(records: &Records, name: &str) -> String {
@@ -334,15 +338,130 @@ fn numbers_come_from_the_records() {
     for line in &mut slow.lines {
         line.edit(|t: &mut Throughput| t.samples_ns.iter_mut().for_each(|ns| *ns *= 2));
     }
-    for (fast, slow) in summary(&records).winners.iter().zip(&summary(&slow).winners) {
-        assert_eq!(fast.variant, slow.variant);
-        let ratio = fast.million_tests_per_second / slow.million_tests_per_second;
+    let [fast, slow] = [&records, &slow].map(|records| summary(records).answers.loops);
+    assert!(!fast.is_empty());
+    for (fast, slow) in fast.iter().zip(&slow) {
+        assert_eq!(fast.method, slow.method);
+        let ratio = fast.speeds["t"].million_per_second / slow.speeds["t"].million_per_second;
         assert!((ratio - 2.0).abs() < 1e-9);
-        assert_eq!(
-            fast.over_own_scalar.map(|x| (x * 1e9).round()),
-            slow.over_own_scalar.map(|x| (x * 1e9).round())
-        );
     }
+}
+
+/// The first screen of a record with trees.
+fn with_trees() -> Records {
+    let mut records = synthetic::records(4);
+    // The synthetic methods promise nothing.
+    for line in &mut records.lines {
+        line.edit(|facts: &mut MethodFacts| match facts.name.as_str() {
+            "wald" => facts.claims = vec!["watertight".into()],
+            "perpendicular-planes" => facts.claims = vec!["exact".into()],
+            _ => facts.input = Some(Input::Points),
+        });
+    }
+    let methods = [
+        ("moller-trumbore", 3, 40),
+        ("kensler-shirley", 2, 30),
+        ("wald", 1, 0),
+        ("perpendicular-planes", 0, 0),
+    ];
+    records.lines.extend(synthetic::trees(&methods, 69_451));
+    records
+}
+
+#[test]
+fn the_first_screen_answers() {
+    let records = with_trees();
+    let Answers { trees, loops, .. } = summary(&records).answers;
+    let named = |answers: &[Answer]| -> Vec<_> {
+        answers.iter().map(|answer| (answer.asked, answer.method.clone())).collect()
+    };
+    assert_eq!(
+        named(&trees),
+        [
+            ("fastest", "moller-trumbore"),
+            ("no cracks", "wald"),
+            ("never wrong", "perpendicular-planes")
+        ]
+        .map(|(asked, method)| (asked, method.to_owned()))
+    );
+    let behind = |answer: &Answer| answer.speeds["closest"].behind;
+    assert_eq!(behind(&trees[0]), None);
+    assert!(behind(&trees[1]).is_some_and(|share| (share - 0.1 / 1.1).abs() < 1e-3), "{trees:?}");
+    assert_eq!(
+        (trees[0].wrong_per_million, trees[0].cracks_per_million),
+        (Some(300.0), Some(2000.0))
+    );
+    // The synthetic records find what claims to be exact wrong about pairs.
+    let asked: Vec<_> = loops.iter().map(|answer| answer.asked).collect();
+    assert_eq!(asked, ["fastest", "from points", "no cracks"]);
+    let text = Chapter::of::<Comparison>().document(&records).to_text(80);
+    let first: Vec<&str> = text.lines().take(30).collect();
+    assert!(first[0].contains("Synthetic Processor"), "{text}");
+    assert!(first[1].contains("quiet (0.3 % stolen, drift 1.1 %, spread 0.8 %)"), "{text}");
+    for (row, count) in [("fastest ", 2), ("no cracks ", 2), ("never wrong ", 1)] {
+        let rows = first.iter().filter(|line| line.starts_with(row));
+        assert_eq!(rows.count(), count, "{row}: {text}");
+    }
+    assert!(widest(&text) <= 80, "{text}");
+    insta::assert_snapshot!(first.join("\n"));
+
+    // Few triangles are tested all.
+    let mut few = records;
+    for line in &mut few.lines {
+        line.edit(|tree: &mut TreeBuilt| tree.triangles = 12);
+    }
+    let text = Chapter::of::<Comparison>().document(&few).to_text(80);
+    assert!(text.find("A few triangles") < text.find("Rays against a mesh"), "{text}");
+}
+
+/// Neither by its own name nor by that of whoever else is the fastest by noise.
+#[test]
+fn no_winner_is_named_where_the_machine_is_busy() {
+    let mut records = with_trees();
+    records.header.noise = Some(Noise { stolen: Some(0.4), drift: 0.01, spread: 0.01 });
+    let Answers { trees, loops, .. } = summary(&records).answers;
+    assert!(trees.is_empty() && loops.is_empty());
+    let text = Chapter::of::<Comparison>().document(&records).to_text(80);
+    let head: Vec<&str> = text.split("\n\n").take(2).collect();
+    assert!(head[0].contains("unusable (40 % stolen"), "{text}");
+    assert!(head[1].starts_with("No winner is named"), "{text}");
+    assert!(!text.contains("fastest  "), "{text}");
+    // A noisy machine names one, and tells small differences not apart.
+    records.header.noise = Some(Noise { stolen: None, drift: 0.12, spread: 0.01 });
+    let Answers { trees, .. } = summary(&records).answers;
+    assert!(
+        trees
+            .iter()
+            .flat_map(|answer| answer.speeds.values())
+            .filter_map(|s| s.behind)
+            .all(|b| b > 0.12)
+    );
+    let text = Chapter::of::<Comparison>().document(&records).to_text(80);
+    assert!(
+        text.contains("noisy (drift 12 %, spread 1 %): differences under 12 % are not"),
+        "{text}"
+    );
+}
+
+#[test]
+fn what_one_workload_refuses_does_not_win() {
+    let mut records = with_trees();
+    let fastest = summary(&records).answers.loops[0].method.clone();
+    assert_ne!(fastest, "moller-trumbore");
+    records.lines.push(Line::from(Refusal {
+        method: fastest.clone(),
+        precision: FloatFormat::F32,
+        workload: "bunny/primary".into(),
+        reason: "an axis is wrong".into(),
+    }));
+    let answers = summary(&records).answers;
+    assert!(answers.loops.iter().all(|answer| answer.method != fastest), "{answers:?}");
+    // Nor does what breaks its promise here keep it.
+    for line in &mut records.lines {
+        line.edit(|check: &mut TreeChecked| check.passed += 1);
+    }
+    let answers = summary(&records).answers;
+    assert!(answers.trees.iter().all(|answer| answer.asked != "no cracks"), "{answers:?}");
 }
 
 /// Nothing half-written stays behind, and a second page replaces the first.
@@ -405,7 +524,7 @@ fn what_lies_beside_a_page_leads_there_or_stops_it() {
 fn summary_serialises() {
     let json = serde_json::to_value(summary(&small())).expect("serialises");
     assert_eq!(json["header"]["seed"], 7);
-    assert!(json["winners"][0]["million_tests_per_second"].as_f64().is_some_and(|x| x > 0.0));
+    assert!(json["answers"]["loops"][0]["speeds"]["t"]["within"].as_f64().is_some_and(|x| x > 0.0));
     assert!(serde_json::to_value(rank(&small(), &Filter::default())).is_ok());
     assert!(serde_json::to_value(compare_records(&small(), &small())).is_ok());
 }

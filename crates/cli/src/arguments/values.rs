@@ -17,17 +17,6 @@ pub(super) fn named<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T
         .map(|name| T::named(&name).expect("it is listed"))
 }
 
-/// An error that is allowed.
-pub(super) fn error(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x| *x >= 0.0).ok_or_else(|| "not a number from 0".to_owned())
-}
-
-/// A time for a race.
-pub(super) fn seconds(text: &str) -> Result<f64, String> {
-    let time = text.parse().ok().filter(|x| (0.0..=3600.0).contains(x));
-    time.ok_or_else(|| "not a number from 0 to 3600".to_owned())
-}
-
 /// A number from 0, which may be infinite.
 pub(super) fn positive(text: &str) -> Result<f32, String> {
     text.parse().ok().filter(|x| *x >= 0.0).ok_or_else(|| "not a number from 0".to_owned())

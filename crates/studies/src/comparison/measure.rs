@@ -14,7 +14,7 @@ use super::record::{
     Agreement, Cracks, Decisions, Error, Family, MethodCount, MethodFacts, PartCost, Preparation,
     Refusal, Throughput, Workload,
 };
-use super::tasks::Task;
+use super::tasks::{Task, Timed};
 use crate::answers::{Answers, Pair, QUANTITIES, Quantity};
 use crate::kernels::{Group, REFERENCE, answers_of_widest, contenders};
 use crate::record::Line;
@@ -78,7 +78,7 @@ struct Answered {
 
 impl Measurement<'_, '_> {
     fn task(&mut self, task: Task) -> Result<(), WrongAnswer> {
-        let Task { name, description, family, inputs, timed_rays } = task;
+        let Task { name, description, family, inputs, timed_rays, timed } = task;
         self.run.progress.phase(&format!("{name}: asking the oracle"), 1);
         let subject = Subject::new(name, description, family, inputs);
         self.run.progress.step();
@@ -97,7 +97,9 @@ impl Measurement<'_, '_> {
             for entry in methods {
                 let name = &subject.workload.name;
                 answered.extend(self.answer(name, entry, &entry.f32, &subject.single));
-                answered.extend(self.answer(name, entry, &entry.f64, &subject.double));
+                if timed == Timed::All {
+                    answered.extend(self.answer(name, entry, &entry.f64, &subject.double));
+                }
             }
             self.errors(&subject, &answered);
             self.agreement(&subject, &answered);
@@ -111,8 +113,20 @@ impl Measurement<'_, '_> {
             for entry in methods {
                 let workload = &subject.workload;
                 let (single, double) = (&subject.single, &subject.double);
-                groups.extend(self.prepare(workload, entry, &entry.f32, single, timed_rays));
-                groups.extend(self.prepare(workload, entry, &entry.f64, double, timed_rays));
+                groups.extend(self.prepare(
+                    workload,
+                    entry,
+                    &entry.f32,
+                    single,
+                    (timed, timed_rays),
+                ));
+                groups.extend(self.prepare(
+                    workload,
+                    entry,
+                    &entry.f64,
+                    double,
+                    (timed, timed_rays),
+                ));
             }
             self.time(&subject, timed_rays, &groups)?;
         }
@@ -271,13 +285,16 @@ impl Measurement<'_, '_> {
         entry: &'static Entry,
         kernels: &'static Kernels<E>,
         Side { rays, triangles, .. }: &Side<E>,
-        timed_rays: usize,
+        (timed, timed_rays): (Timed, usize),
     ) -> Option<Group> {
         let timed: Vec<&'static Kernel> = kernels
             .timed
             .iter()
             .filter(|kernel| kernel.variant.is_available())
-            .filter(|kernel| is_shown(workload.family, kernel, &kernels.timed))
+            .filter(|kernel| match timed {
+                Timed::All => is_shown(workload.family, kernel, &kernels.timed),
+                Timed::Single => is_single(kernel, &kernels.timed),
+            })
             .collect();
         if timed.is_empty() {
             self.run.progress.step();
@@ -326,6 +343,9 @@ impl Measurement<'_, '_> {
             Ok(())
         })?;
         self.run.clock();
+        let spent = contenders.iter().map(|(_, contender)| contender.spent).sum();
+        let samples = contenders.iter().map(|(_, contender)| &contender.samples_ns[..]);
+        self.run.meter.take(samples, spent);
         for (group, contender) in contenders {
             let kernel = contender.kernel;
             let Some(tally) = contender.tally else { continue };
@@ -378,6 +398,16 @@ fn claims(claims: Claims) -> Vec<String> {
 fn part_cost((part, ops): (&str, Ops)) -> PartCost {
     let Ops { multiplies, adds, divisions, comparisons, signs: _ } = ops;
     PartCost { part: part.to_owned(), multiplies, adds, divisions, comparisons }
+}
+
+/// See [`Timed::Single`].
+fn is_single(Kernel { variant, .. }: &Kernel, all: &[Kernel]) -> bool {
+    let here = all.iter().map(|other| &other.variant).filter(|other| other.is_available());
+    // Methods without the widest are wide enough as a tracer calls them.
+    let width = here.map(|other| other.width).max().unwrap_or(1).min(8);
+    variant.precision == FloatFormat::F32
+        && variant.arrangement == Arrangement::OneRay
+        && variant.width >= width
 }
 
 /// Whether a kernel is timed on a family of workloads: where methods are compared everything but

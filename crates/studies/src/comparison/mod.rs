@@ -8,16 +8,19 @@ mod tasks;
 
 use std::fmt::Display;
 
+use rand::SeedableRng as _;
+use rand_pcg::Pcg64;
 use trisect_catalog::Entry;
 use trisect_mesh::Mesh;
 use trisect_report::document::Document;
 
 use crate::record::Records;
 use crate::study::{About, Run, Study, StudyError};
+use crate::tracer::{both_classes, together};
 
 pub use document::{
-    ComparedVariant, ErrorDifference, Filter, FrontPoint, MethodRow, PrecisionRow, Ranked, Ranking,
-    RecordComparison, Summary, Winner, compare_records, rank, summary,
+    Answer, Answers, ComparedVariant, ErrorDifference, Filter, FrontPoint, Ranked, Ranking,
+    RecordComparison, Speed, Summary, compare_records, rank, summary,
 };
 pub use measure::compare;
 pub use record::{
@@ -25,9 +28,12 @@ pub use record::{
     Preparation, Quantiles, Refusal, Throughput, Workload,
 };
 pub use settings::Settings;
-pub use tasks::{Task, inputs, inputs_of, usual_rays, verification};
+pub use tasks::{Task, Timed, verification};
 
 pub(crate) use tasks::timing;
+
+/// Rounds in which trees go in turn, at least: rays are timed in a fraction of the time of the kernels.
+const TREE_ROUNDS: usize = 9;
 
 /// A comparison, its input read.
 pub struct Comparison {
@@ -68,7 +74,15 @@ impl Study for Comparison {
     }
 
     fn measure(self, run: &mut Run<'_>) -> Result<(), StudyError> {
+        let meshes = self.meshes.clone();
         let tasks = tasks::comparison(self.seed, self.full, self.meshes);
-        Ok(compare(&self.methods, (self.seed, self.rounds), tasks, run)?)
+        compare(&self.methods, (self.seed, self.rounds), tasks, run)?;
+        let mut random = Pcg64::seed_from_u64(self.seed);
+        for mesh in &meshes {
+            let classes = both_classes(mesh, None, self.seed);
+            let turns = (TREE_ROUNDS.max(self.rounds), &mut random);
+            together(&self.methods, mesh, &classes, turns, run)?;
+        }
+        Ok(())
     }
 }

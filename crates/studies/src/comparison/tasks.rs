@@ -9,6 +9,16 @@ use trisect_workloads::{Light, RaysFile, Share, Workload};
 use super::record::Family;
 use crate::subject::Inputs;
 
+/// Which kernels are timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Timed {
+    /// All that the figures of a comparison show.
+    All,
+    /// Those that answer which method is the fastest where every triangle is tested: one ray at a time in
+    /// single precision, on lanes as wide as the processor has them. Nothing is asked in double precision.
+    Single,
+}
+
 /// Rays and triangles to measure on.
 pub struct Task {
     /// Unique name.
@@ -21,6 +31,8 @@ pub struct Task {
     pub inputs: Inputs,
     /// How many of the rays, from the first, are timed; all of them answer.
     pub timed_rays: usize,
+    /// With which kernels.
+    pub timed: Timed,
 }
 
 /// How much is measured.
@@ -110,6 +122,7 @@ pub fn verification(seed: u64, meshes: &[Mesh], rays: Option<&RaysFile>) -> Vec<
             family: Family::Mesh,
             inputs: inputs(rays.clone(), mesh),
             timed_rays: 0,
+            timed: Timed::All,
         }],
         None => mesh_workloads(seed, mesh, QUICK.picture)
             .map(|Workload { name, description, rays, .. }| Task {
@@ -118,6 +131,7 @@ pub fn verification(seed: u64, meshes: &[Mesh], rays: Option<&RaysFile>) -> Vec<
                 family: Family::Mesh,
                 inputs: inputs_of(rays, mesh),
                 timed_rays: 0,
+                timed: Timed::All,
             })
             .into(),
     });
@@ -127,26 +141,20 @@ pub fn verification(seed: u64, meshes: &[Mesh], rays: Option<&RaysFile>) -> Vec<
 fn task(workload: Workload, family: Family, timed_rays: usize) -> Task {
     let Workload { name, description, rays, triangles } = workload;
     let inputs = Inputs::new(rays, triangles.to_vec());
-    Task { name, description, family, inputs, timed_rays }
+    Task { name, description, family, inputs, timed_rays, timed: Timed::All }
 }
 
 /// Rays and a mesh as their files hold them, for the kernels of either precision.
-pub fn inputs(rays: RaysFile, mesh: &Mesh) -> Inputs {
+fn inputs(rays: RaysFile, mesh: &Mesh) -> Inputs {
     let RaysFile { rays, rays_f32 } = rays;
     let rounded = (rays_f32, mesh.triangles.to_vec());
     Inputs::rounded(rounded, (rays, mesh.triangles_f64().to_vec()), mesh.rounding())
 }
 
 /// The same of rays that are made in f32.
-pub fn inputs_of(rays_f32: Vec<Ray<f32>>, mesh: &Mesh) -> Inputs {
+fn inputs_of(rays_f32: Vec<Ray<f32>>, mesh: &Mesh) -> Inputs {
     let rays = rays_f32.iter().map(|&ray| ray.into()).collect();
     inputs(RaysFile { rays, rays_f32 }, mesh)
-}
-
-/// Rays that a renderer sends through a mesh: a camera's, scattered and shadow rays.
-pub fn usual_rays(seed: u64, mesh: &Mesh) -> Vec<Ray<f32>> {
-    let [primary, _random, bounce, occlusion] = mesh_workloads(seed, mesh, QUICK.picture * 2);
-    [primary, bounce, occlusion].into_iter().flat_map(|workload| workload.rays).collect()
 }
 
 /// Primary, random, diffuse and occlusion rays against a mesh.

@@ -11,7 +11,7 @@ use super::record::{Layer, Omission};
 use crate::comparison::Family;
 use crate::kernels::Group;
 use crate::subject::{self, Inputs};
-use crate::timing::{Contender, WrongAnswer};
+use crate::timing::WrongAnswer;
 
 /// What whoever asks no more than whether there is a hit does without: `t`, barycentrics, and the division.
 const VALUES: &str = "values";
@@ -77,7 +77,7 @@ impl Leaving<'_, '_> {
                 vec![(part, with)],
                 self.study.rounds,
                 &mut self.random,
-                Contender::run,
+                |contender| Ok(contender.run()?.wall),
             )?;
             found.extend(raced.omissions);
         }

@@ -72,11 +72,11 @@ pub(super) struct Resident {
 
 impl Resident {
     /// Builds a tree, on the threads of the pool: with a call of the method for each leaf, but for
-    /// [`Contest::Inline`].
+    /// [`Contest::Inline`] and [`Contest::Together`].
     ///
     /// # Panics
     /// When the contest is about inline trees, and none is compiled for the method.
-    fn build(
+    pub(super) fn build(
         entry: &Entry,
         scene: &Mesh,
         (builder, leaves): (Builder, Leaves),
@@ -84,7 +84,9 @@ impl Resident {
         contest: Contest,
     ) -> Result<Self, UnsuitableMesh> {
         let build = match contest {
-            Contest::Inline => entry.inline_tree.expect("an inline tree is compiled"),
+            Contest::Inline | Contest::Together => {
+                entry.inline_tree.expect("an inline tree is compiled")
+            }
             Contest::Methods | Contest::Trees | Contest::Threads => entry.erased_tree,
         };
         let (tree, time) = pool.install(|| {
@@ -128,7 +130,7 @@ impl Resident {
     }
 
     /// The line of what a contender did with the tree.
-    fn traced(&self, class: &ClassOfRays, contender: &Contender<'_>) -> Traced {
+    pub(super) fn traced(&self, class: &ClassOfRays, contender: &Contender<'_>) -> Traced {
         let TreeBuilt { contest, method, scene, builder, leaves, .. } = self.built.clone();
         Traced {
             contest,
@@ -167,7 +169,7 @@ impl Racing<'_, '_> {
             let mut resident = match Resident::build(entry, scene, TREE, &self.all, contest) {
                 Ok(resident) => resident,
                 Err(unsuitable) => {
-                    self.refuse(entry, scene, &unsuitable);
+                    self.run.add(refuse(entry, scene, &unsuitable));
                     let trees = 1 + usize::from(entry.inline_tree.is_some());
                     (0..trees * classes.len()).for_each(|_| self.run.progress.step());
                     continue;
@@ -211,15 +213,6 @@ impl Racing<'_, '_> {
             self.run.progress.step();
         }
         Ok(())
-    }
-
-    fn refuse(&mut self, entry: &Entry, scene: &Mesh, unsuitable: &UnsuitableMesh) {
-        self.run.add(Refusal {
-            method: entry.info.name.to_owned(),
-            precision: FloatFormat::F32,
-            workload: scene.name.clone(),
-            reason: unsuitable.to_string(),
-        });
     }
 
     /// One method: every builder, every size of leaf, and of the default tree every way to trace it.
@@ -307,6 +300,16 @@ impl Racing<'_, '_> {
             self.run.progress.step();
         }
         Ok(())
+    }
+}
+
+/// That a method does not take a scene.
+pub(super) fn refuse(entry: &Entry, scene: &Mesh, unsuitable: &UnsuitableMesh) -> Refusal {
+    Refusal {
+        method: entry.info.name.to_owned(),
+        precision: FloatFormat::F32,
+        workload: scene.name.clone(),
+        reason: unsuitable.to_string(),
     }
 }
 

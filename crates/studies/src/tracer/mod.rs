@@ -6,6 +6,7 @@ mod race;
 mod rays;
 mod record;
 mod settings;
+mod together;
 
 use std::fmt::Display;
 
@@ -16,10 +17,11 @@ use crate::study::{About, Run, Study, StudyError};
 
 pub use document::{StudyRow, StudySummary, study_summary};
 pub use rays::{ClassOfRays, classes_of_rays};
-pub use record::{Contest, Traced, TreeBuilt};
+pub use record::{Contest, Traced, TreeBuilt, TreeChecked};
 pub use settings::{Settings, Tracer};
 
 pub(crate) use measure::thread_counts;
+pub(crate) use together::{both_classes, together};
 
 impl Study for Tracer {
     const ABOUT: About = About {

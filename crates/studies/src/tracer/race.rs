@@ -1,7 +1,7 @@
 //! Trees that trace the same rays in turn; every sample is verified.
 
 use std::ops::Range;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rand::seq::SliceRandom as _;
 use rand_pcg::Pcg64;
@@ -11,6 +11,7 @@ use trisect_method::Culling;
 
 use super::measure::Resident;
 use super::rays::ClassOfRays;
+use crate::noise::{Spent, timed};
 use crate::timing::{WrongAnswer, nanoseconds};
 
 /// Rays of a turn: enough that the caches are a contender's own for most of them, few enough that all
@@ -35,6 +36,8 @@ pub(super) struct Contender<'a> {
     ray_by_ray: bool,
     pub pool: &'a ThreadPool,
     pub samples_ns: Vec<u64>,
+    /// What all samples took.
+    pub spent: Spent,
     pub hits: u64,
     /// Rays that hit here and miss in plain arithmetic, or the other way round.
     pub differ: u64,
@@ -83,6 +86,7 @@ impl<'a> Contender<'a> {
             ray_by_ray: false,
             pool,
             samples_ns: Vec::new(),
+            spent: Spent::default(),
             hits: 0,
             differ: 0,
         }
@@ -112,26 +116,24 @@ impl<'a> Contender<'a> {
     }
 
     /// Traces a slice of the rays; how long that took.
-    fn turn(&self, class: &ClassOfRays, slice: Range<usize>, places: &mut Places) -> Duration {
+    fn turn(&self, class: &ClassOfRays, slice: Range<usize>, places: &mut Places) -> Spent {
         let rays = &class.rays[slice.clone()];
         let chunk = if self.ray_by_ray { 1 } else { rays.len() };
         let (tree, tracing) = (self.tree, self.tracing);
-        self.pool.install(|| {
-            let start = Instant::now();
-            match places {
-                Places::Closest(found) => {
-                    for (rays, found) in rays.chunks(chunk).zip(found[slice].chunks_mut(chunk)) {
-                        tree.closest(tracing, Culling::None, rays, found);
-                    }
-                }
-                Places::Any(found) => {
-                    for (rays, found) in rays.chunks(chunk).zip(found[slice].chunks_mut(chunk)) {
-                        tree.any(tracing, Culling::None, rays, found);
-                    }
+        // The one place where rays are traced that come singly: a call for a single ray belongs here.
+        let work = || match places {
+            Places::Closest(found) => {
+                for (rays, found) in rays.chunks(chunk).zip(found[slice].chunks_mut(chunk)) {
+                    tree.closest(tracing, Culling::None, rays, found);
                 }
             }
-            start.elapsed()
-        })
+            Places::Any(found) => {
+                for (rays, found) in rays.chunks(chunk).zip(found[slice].chunks_mut(chunk)) {
+                    tree.any(tracing, Culling::None, rays, found);
+                }
+            }
+        };
+        self.pool.install(|| timed(work)).1
     }
 
     fn wrong(&self, class: &ClassOfRays, found: String, expected: u64) -> WrongAnswer {
@@ -183,6 +185,7 @@ pub(super) fn race(
         }
         expected.push(slices.iter().map(|slice| places.hits(slice.clone())).collect::<Vec<_>>());
     }
+    let mut sums = vec![Spent::default(); contenders.len()];
     let mut turns: Vec<usize> = (0..contenders.len()).collect();
     for _ in 0..rounds {
         let mut times = vec![Duration::ZERO; contenders.len()];
@@ -191,7 +194,9 @@ pub(super) fn race(
             for &turn in &turns {
                 let contender = &contenders[turn];
                 places.forget(slice.clone());
-                times[turn] += contender.turn(class, slice.clone(), &mut places);
+                let spent = contender.turn(class, slice.clone(), &mut places);
+                times[turn] += spent.wall;
+                sums[turn] += spent;
                 let hits = places.hits(slice.clone());
                 if hits != expected[turn][number] {
                     let found = format!("{hits} hits");
@@ -203,5 +208,6 @@ pub(super) fn race(
             contender.samples_ns.push(nanoseconds(time));
         }
     }
+    contenders.iter_mut().zip(sums).for_each(|(contender, spent)| contender.spent = spent);
     Ok(())
 }

@@ -7,6 +7,7 @@ use crate::record::lines;
 lines! {
     TreeBuilt = "tree",
     Traced = "traced",
+    TreeChecked = "tree-checked",
 }
 
 /// What a tree of the tracer's study takes part in.
@@ -18,6 +19,8 @@ pub enum Contest {
     /// Every method whose test is compiled into the traversal loop as well, in turn with itself called for
     /// each leaf, on one thread.
     Inline,
+    /// Every method whose test is compiled into the traversal loop, and no other: all in turn, on one thread.
+    Together,
     /// One method: its trees, and the ways to trace them, in turn, on one thread.
     Trees,
     /// One method: numbers of threads, in turn.
@@ -70,7 +73,8 @@ pub struct Traced {
     pub builder: String,
     /// When triangles become a leaf: `cheapest`, or always up to `16` or `32`.
     pub leaves: String,
-    /// `primary`, `random`, `diffuse` or `occlusion`.
+    /// `primary`, `random`, `diffuse` or `occlusion`; of [`Contest::Together`] `closest` or `any`, which are
+    /// rays of all classes.
     pub class: String,
     /// Whether any hit was asked for instead of the closest.
     pub any: bool,
@@ -92,4 +96,25 @@ pub struct Traced {
     /// rounds. Of [`Contest::Methods`] and [`Contest::Inline`] alone: in the others all lines of a class went in turn.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub baseline_ns: Vec<u64>,
+}
+
+/// The answers of a tree against exact arithmetic.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TreeChecked {
+    /// Name of the method in the catalogue.
+    pub method: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Edges of the scene that do not join two triangles; none where it is closed.
+    pub open_edges: usize,
+    /// Rays whose answers were checked.
+    pub rays: usize,
+    /// Those of them for which whether they hit, or what they hit first, is not the truth.
+    pub wrong: usize,
+    /// The largest relative error of `t` over the others.
+    pub error: f64,
+    /// Rays aimed at edges between two triangles that face them alike.
+    pub edge_rays: usize,
+    /// Those of them that pass between the two.
+    pub passed: usize,
 }

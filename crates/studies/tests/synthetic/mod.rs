@@ -7,7 +7,9 @@ use trisect_studies::comparison::{
     Agreement, ClassCount, Decisions, Error, Family, MethodCount, MethodFacts, PartCost,
     Preparation, Quantiles, Throughput, Workload,
 };
+use trisect_studies::noise::Noise;
 use trisect_studies::record::{Header, Line, Machine, Records, SCHEMA, Variant};
+use trisect_studies::tracer::{Contest, Traced, TreeBuilt, TreeChecked};
 
 /// Name, title, year, citation, stored numbers, base ns, factor of error, gain of deferring.
 type Fact = (&'static str, &'static str, u16, &'static str, usize, f64, f64, f64);
@@ -89,6 +91,7 @@ pub(crate) fn header() -> Header {
             build: "release, x86_64-unknown-linux-gnu".into(),
             core_ghz: 3.0,
         },
+        noise: Some(Noise { stolen: Some(0.003), drift: 0.011, spread: 0.008 }),
     }
 }
 
@@ -303,4 +306,66 @@ pub(crate) fn records(count: usize) -> Records {
         }
     }
     Records { header: header(), lines }
+}
+
+/// Trees of methods over a mesh, each with its wrong decisions and rays through edges, as much slower than the
+/// one before it as a twentieth, all in turn.
+#[allow(dead_code, reason = "not every test binary has trees")]
+pub(crate) fn trees(methods: &[(&str, usize, usize)], triangles: usize) -> Vec<Line> {
+    let mut lines = Vec::new();
+    for (place, &(method, wrong, passed)) in methods.iter().enumerate() {
+        let [method, scene] = [method, "bunny"].map(str::to_owned);
+        let [builder, leaves] = ["spatial", "cheapest"].map(str::to_owned);
+        lines.push(Line::from(TreeBuilt {
+            contest: Contest::Together,
+            method: method.clone(),
+            scene: scene.clone(),
+            triangles,
+            builder: builder.clone(),
+            leaves: leaves.clone(),
+            threads: 2,
+            samples_ns: vec![200_000_000],
+            nodes: 6000,
+            blocks: 12_000,
+            references: 80_000,
+            depth: 9,
+            bytes: triangles * 70,
+            cost: 12.5,
+        }));
+        for (class, any, calls) in
+            [("closest", false, "batch"), ("any", true, "batch"), ("closest", false, "ray")]
+        {
+            // The same drift for all.
+            let ns =
+                |round: u64| 5_000_000 * (100 + 5 * place as u64) * (1000 + round % 3) / 100_000;
+            lines.push(Line::from(Traced {
+                contest: Contest::Together,
+                method: method.clone(),
+                scene: scene.clone(),
+                builder: builder.clone(),
+                leaves: leaves.clone(),
+                class: class.to_owned(),
+                any,
+                tracing: "single".to_owned(),
+                calls: calls.to_owned(),
+                threads: 1,
+                rays: 50_000,
+                hits: 20_000,
+                differ: 0,
+                samples_ns: (0..9).map(ns).collect(),
+                baseline_ns: Vec::new(),
+            }));
+        }
+        lines.push(Line::from(TreeChecked {
+            method,
+            scene,
+            open_edges: 0,
+            rays: 10_000,
+            wrong,
+            error: 1.5e-5,
+            edge_rays: 20_000,
+            passed,
+        }));
+    }
+    lines
 }

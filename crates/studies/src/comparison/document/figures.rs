@@ -6,29 +6,21 @@ use crate::comparison::record::Family;
 use crate::record::Variant;
 use trisect_core::FloatFormat::{self, F32, F64};
 use trisect_core::InstructionSet;
-use trisect_method::Form;
+use trisect_method::{Form, Input};
 
-use super::summary::{Plane as Variants, plane};
+use super::summary::{FrontPoint, plane};
 use super::view::{BASELINE, View, finish_label, lanes_label, need_in_prose};
 use trisect_report::document::Section;
 use trisect_report::figure::{
     Axis, Drawing, Entry, Group, Ink, Look, Mark, Panel, Plane, Row, Sample, Scale, Series, Shape,
     points,
 };
-use trisect_report::format::{bytes, mtests, number, percent, ratio, tick};
-use trisect_report::stats::geometric_mean;
+use trisect_report::format::{bytes, mtests, percent, ratio, tick};
+use trisect_report::stats::{geometric_mean, pareto_front};
 
 /// All figures, the headline first.
-pub(super) fn all(view: &View) -> [Section; 7] {
-    [
-        pareto(view),
-        throughput(view),
-        error(view),
-        division(view),
-        early_out(view),
-        hit_rate(view),
-        working_set(view),
-    ]
+pub(super) fn all(view: &View) -> [Section; 5] {
+    [pareto(view), division(view), early_out(view), hit_rate(view), working_set(view)]
 }
 
 const NOTHING_TIMED: &str = "Left out: the record holds no throughput.";
@@ -54,83 +46,92 @@ fn asked(view: &View) -> &'static str {
     view.main_need().map_or("", need_in_prose)
 }
 
+/// Families of methods, in the order of their colours.
+const FAMILIES: [&str; 6] =
+    ["from points", "stored edges", "stored planes", "volumes", "watertight", "exact"];
+
+/// The place of a method's family in the list.
+fn family(view: &View, method: &str) -> usize {
+    let facts = view.fact(method);
+    let claims = |what: &str| facts.is_some_and(|facts| facts.claims.iter().any(|c| c == what));
+    let is_of = |names: &[&str]| names.iter().any(|name| method.starts_with(name));
+    match facts.and_then(|facts| facts.input) {
+        _ if claims("exact") => 5,
+        _ if claims("watertight") => 4,
+        _ if is_of(&["plucker", "signed-volumes", "segura-feito", "jimenez"]) => 3,
+        Some(Input::Points) => 0,
+        _ if is_of(&["moller-trumbore", "kensler-shirley"]) => 1,
+        _ => 2,
+    }
+}
+
 fn pareto(view: &View) -> Section {
-    let plane = plane(view);
-    let reference = view
-        .pooled_error((BASELINE, F64), "t", |v| v.width == 1)
-        .or_else(|| view.pooled_error((BASELINE, F64), "t", |_| true))
-        .map(|q| q.median);
-    let mut caption = format!(
-        "Each point is one variant: a method in one precision, width, arithmetic and form of division, in \
-         its fastest arrangement and with or without early-out, whichever is faster. Across, nanoseconds \
-         per test when asked for {}: geometric mean {} of the median over rounds. Up, the median relative \
-         error of t against exact arithmetic. The stepped line is the Pareto front: for a variant on it, \
-         none is both faster and more accurate.",
+    let (points, workloads) = plane(view);
+    // Of each method in each precision the fastest variant: they come fastest first.
+    let mut shown: Vec<&FrontPoint> = Vec::new();
+    for point in &points {
+        let of = |p: &FrontPoint| (p.variant.method.clone(), p.variant.precision);
+        if shown.iter().all(|other| of(other) != of(point)) {
+            shown.push(point);
+        }
+    }
+    let caption = format!(
+        "The fastest variant of each method. Across, nanoseconds per test when asked for {}: geometric mean {} \
+         of the median over rounds; up, the 99th percentile of the relative error of t against exact \
+         arithmetic. For a method on the stepped line none is both faster and more accurate. Those, \
+         Möller–Trumbore and what is exact are named, in the colours of their families.",
         asked(view),
-        on(&plane.workloads)
+        on(&workloads)
     );
-    if reference.is_some() {
-        caption += " The dashed line is the error of the usual reference, Möller–Trumbore in double precision.";
-    }
-    let errors = || plane.points.iter().map(|p| p.error).chain(reference);
-    let up = Axis::over("median relative error of t", Scale::Log, errors(), tick).broken(errors());
-    if up.is_broken() {
-        caption += " The vertical axis is cut where no point lies over three decades.";
-    }
+    let mut told_families = [false; FAMILIES.len()];
+    let mut panel = |precision: FloatFormat| {
+        let mine: Vec<&&FrontPoint> =
+            shown.iter().filter(|p| p.variant.precision == precision).collect();
+        let at: Vec<(f64, f64)> = mine.iter().map(|p| (p.ns_per_test, p.error)).collect();
+        let front = pareto_front(&at);
+        let mut others = Vec::new();
+        let mut told = Vec::new();
+        let mut labels = Vec::new();
+        for (place, point) in mine.iter().enumerate() {
+            let method = &*point.variant.method;
+            let family = family(view, method);
+            if front.contains(&place) || method == BASELINE || FAMILIES[family] == "exact" {
+                told_families[family] = true;
+                told.push(Series::points(Look::of(family), true, vec![at[place]]));
+                labels.push((at[place].0, at[place].1, method.to_owned()));
+            } else {
+                others.push(at[place]);
+            }
+        }
+        let mut series = vec![
+            Series::points(Look::plain(Ink::Grid), true, others),
+            Series::front(front.iter().map(|&place| at[place]).collect()),
+        ];
+        series.extend(told);
+        let across = shown.iter().map(|p| p.ns_per_test);
+        let across = Axis::over("ns per test", Scale::Log, across, tick);
+        let up = Axis::over("error of t, p99", Scale::Log, at.iter().map(|at| at.1), tick);
+        let panel = Plane { labels, ..Plane::new(precision.name(), across, up, 360, series) };
+        (!at.is_empty()).then_some(Panel::Plane(panel))
+    };
+    let panels: Vec<Panel> = view.precisions().into_iter().filter_map(&mut panel).collect();
+    let told = (0..FAMILIES.len()).filter(|&family| told_families[family]);
+    let mut legend: Vec<Entry> =
+        told.map(|family| Entry::of(Look::of(family), FAMILIES[family])).collect();
+    legend.push(Entry::of(Look::plain(Ink::Grid), "other methods"));
+    legend.push(Entry::new(Sample::Line(Ink::Muted), "Pareto front"));
     let missing = if view.throughput.is_empty() {
         NOTHING_TIMED
     } else {
         "Left out: the record holds no error of t against the oracle for the variants that it times."
     };
-    let drawing = if plane.points.is_empty() {
+    let drawing = if panels.is_empty() {
         Drawing::default()
     } else {
-        pareto_drawing(view, &plane, reference, up)
+        Drawing { panels, legend, key: Vec::new() }
     };
     Section::figure("error-against-time", "Error against run time", caption, drawing)
         .missing(missing)
-}
-
-fn pareto_drawing(view: &View, plane: &Variants, reference: Option<f64>, up: Axis) -> Drawing {
-    let at = |i: &usize| (plane.points[*i].ns_per_test, plane.points[*i].error);
-    let front: Vec<(f64, f64)> = plane.front.iter().map(at).collect();
-    let of = |keep: &dyn Fn(&Variant) -> bool| {
-        let points = plane.points.iter().filter(|p| keep(&p.variant));
-        points.map(|p| (p.ns_per_test, p.error)).collect::<Vec<_>>()
-    };
-    let mut series = vec![Series::front(front.clone())];
-    let mut legend = Vec::new();
-    for &method in view.methods() {
-        let look = view.look(method);
-        for (precision, filled) in [(F64, false), (F32, true)] {
-            let points = of(&|v| v.method == method && v.precision == precision);
-            series.push(Series::points(look, filled, points));
-        }
-        if plane.points.iter().any(|p| p.variant.method == method) {
-            legend.push(Entry::of(look, view.title(method)));
-        }
-    }
-    for (precision, filled) in [(F32, true), (F64, false)] {
-        if plane.points.iter().any(|p| p.variant.precision == precision) {
-            legend
-                .push(Entry::new(Sample::Point(Look::plain(Ink::Muted), filled), precision.name()));
-        }
-    }
-    legend.push(Entry::new(Sample::Line(Ink::Muted), "Pareto front"));
-    legend.extend(reference.map(|_| Entry::new(Sample::Dashes, "error of f64 Möller–Trumbore")));
-    let labels = front.iter().enumerate().map(|(i, &(x, y))| (x, y, (i + 1).to_string()));
-    let key = plane.front.iter().enumerate().map(|(i, &p)| {
-        let v = &plane.points[p].variant;
-        format!("{}  {}, {}, {}", i + 1, view.title(&v.method), lanes_label(v), v.division)
-    });
-    let across = plane.points.iter().map(|p| p.ns_per_test);
-    let across = Axis::over("ns per test", Scale::Log, across, tick);
-    let panel = Plane {
-        rules: reference.into_iter().collect(),
-        labels: labels.collect(),
-        ..Plane::new("", across, up, 380, series)
-    };
-    Drawing { panels: vec![Panel::Plane(panel)], legend, key: key.collect() }
 }
 
 /// Instruction sets and widths of one precision, narrowest first, as rows ask for them.
@@ -191,58 +192,6 @@ fn values(groups: &[Group]) -> impl Iterator<Item = f64> {
     })
 }
 
-fn throughput(view: &View) -> Section {
-    let comparable = view.comparable(|v| Some(v.needs) == view.main_need());
-    let scores = comparable.scores();
-    let panels = by_lanes(view, |is| {
-        let (_, ns) = scores.iter().find(|(v, _)| is(v))?;
-        Some((vec![Mark::Bar(mtests(*ns))], number(mtests(*ns))))
-    });
-    let shown: Vec<f64> = panels.iter().flat_map(|(_, g)| values(g)).chain([0.0]).collect();
-    let axis = Axis::over("million tests per second", Scale::Linear, shown, tick);
-    let draw = |(title, groups): (String, _)| Panel::rows(&title, axis.clone(), None, groups);
-    let caption = format!(
-        "Million tests per second when asked for {}: the fastest division, arithmetic, arrangement and \
-         early-out of each method at each width, by the geometric mean {} of the median over rounds.",
-        asked(view),
-        on(&comparable.workloads)
-    );
-    let drawing = Drawing::of(panels.into_iter().map(draw).collect());
-    Section::figure("throughput", "Throughput by method and width", caption, drawing)
-        .missing(NOTHING_TIMED)
-}
-
-fn error(view: &View) -> Section {
-    let symbols =
-        [("t", "t", Shape::Circle), ("beta", "β", Shape::Square), ("gamma", "γ", Shape::Up)];
-    let panels = by_method(view, |method, precision| {
-        let row = |(quantity, label, shape): (&str, &str, Shape)| {
-            let q = view.pooled_error((method, precision), quantity, |_| true)?;
-            let point = |at, filled| Mark::Point { at, shape, filled };
-            let span = Mark::Span(q.median, q.max);
-            let marks = vec![span, point(q.max, false), point(q.p99, false), point(q.median, true)];
-            Some(Row {
-                label: label.into(),
-                ink: view.look(method).ink,
-                marks,
-                note: String::new(),
-            })
-        };
-        symbols.into_iter().filter_map(row).collect()
-    });
-    let draw = |(title, groups): (String, Vec<Group>)| {
-        let axis = Axis::over("relative error", Scale::Log, values(&groups), tick);
-        Panel::rows(&title, axis, None, groups)
-    };
-    let caption = "Relative errors of t, β and γ against exact arithmetic, over the hits that a method \
-                   shares with the oracle. Filled: the median; hollow: the 99th percentile, then the \
-                   largest. Median and percentile are medians over variants and workloads; the largest is \
-                   the largest of all. A point on 0 is exact.";
-    let drawing = Drawing::of(panels.into_iter().map(draw).collect());
-    Section::figure("error", "Error by method", caption, drawing)
-        .missing("Left out: the record holds no errors against the oracle.")
-}
-
 /// Pairs of variants that differ in one field only: the first of each has the field as `first`
 /// says. Per first variant: the ratio of throughput, second over first, on each workload.
 fn paired<'a>(
@@ -286,30 +235,28 @@ fn ratios(view: &View, pairs: &[(&Variant, BTreeMap<&str, f64>)], name: &str) ->
 
 fn division(view: &View) -> Section {
     let pairs = paired(view, |v| v.division == Form::Early, |v| v.division = Form::Deferred);
-    let caption = format!(
-        "Throughput with the division deferred until a hit is certain, over throughput with the division \
-         made early, when asked for {}; right of 1×, deferring wins. Filled: the geometric mean over all \
-         workloads and over the pairs of variants that differ in nothing else; hollow: the workload that \
-         gains least.",
-        asked(view)
-    );
+    let says = "with the division deferred until a hit is certain, over throughput with the division made early";
     let drawing = ratios(view, &pairs, "deferred over early");
-    Section::figure("division", "What deferring the division gains", caption, drawing)
+    Section::figure("division", "What deferring the division gains", gains(view, says), drawing)
         .missing("Left out: the record times no variant with both early and deferred division.")
 }
 
 fn early_out(view: &View) -> Section {
     let pairs = paired(view, |v| !v.early_out, |v| v.early_out = true);
-    let caption = format!(
-        "Throughput of tests that end as soon as no lane can hit, over throughput of tests that compute \
-         everything, when asked for {}; right of 1×, leaving early wins. Filled: the geometric mean over \
-         all workloads and over the pairs of variants that differ in nothing else. Hollow: the workload \
-         that gains least, the worst case in which hits block the way out and the branch only costs.",
-        asked(view)
-    );
+    let says = "of tests that end as soon as no lane can hit, over throughput of tests that compute everything";
     let drawing = ratios(view, &pairs, "early-out over none");
-    Section::figure("early-out", "Early-out and its worst case", caption, drawing)
+    Section::figure("early-out", "Early-out and its worst case", gains(view, says), drawing)
         .missing("Left out: the record times no variant both with and without early-out.")
+}
+
+/// The caption of a figure of ratios.
+fn gains(view: &View, says: &str) -> String {
+    format!(
+        "Throughput {says}, when asked for {}; right of 1× the former wins. Filled: the geometric mean over \
+         all workloads and over the pairs of variants that differ in nothing else; hollow: the workload that \
+         gains least.",
+        asked(view)
+    )
 }
 
 /// As many lines as can be told apart, without the one that all are compared with.

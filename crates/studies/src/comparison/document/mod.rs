@@ -1,5 +1,6 @@
 //! The comparison of methods: its index over records, summary, figures, ranking and document.
 
+mod answers;
 mod compare;
 pub(crate) mod figures;
 mod havel;
@@ -9,8 +10,9 @@ mod sections;
 pub(crate) mod summary;
 pub(crate) mod view;
 
+pub use answers::{Answer, Answers, Speed};
 pub use compare::{ComparedVariant, ErrorDifference, RecordComparison, compare_records};
 pub use rank::{Filter, Ranked, Ranking, rank};
-pub use summary::{FrontPoint, MethodRow, PrecisionRow, Summary, Winner, summary};
+pub use summary::{FrontPoint, Summary, summary};
 
 pub(crate) use sections::document;

@@ -2,28 +2,25 @@
 
 use crate::comparison::record::{Agreement, MethodFacts, PartCost, Refusal, Workload};
 use crate::record::{Records, Variant};
-use trisect_core::FloatFormat::{self, F32, F64};
+use trisect_core::FloatFormat::{self, F32};
 use trisect_method::Output;
 
-use super::summary::{FrontPoint, MethodRow, PrecisionRow, Summary, Winner, of_view};
-use super::view::{BASELINE, View, finish_label, lanes_label, need_in_prose};
+use super::answers::Answers;
+use super::view::{BASELINE, View, finish_label, lanes_label};
 use super::{figures, havel, needs};
 use crate::lines::source;
-use trisect_report::document::{Content, Document, Finding, Section, Shown};
-use trisect_report::format::{fixed, grouped, mtests, number, ratio, scientific};
+use trisect_report::document::{Content, Document, Section, Shown};
+use trisect_report::format::{fixed, grouped, mtests, number, scientific};
 use trisect_report::stats::{median, quartiles};
 use trisect_report::table::{Cell, Kind, Table, count};
 
 pub(crate) fn document(records: &Records) -> Document {
     let view = &View::new(records);
-    let summary = of_view(view);
-    let winners = summary.winners.iter().map(|winner| finding(view, winner)).collect();
-    let mut sections = vec![
-        Section::findings("", winners)
-            .shown(Shown::Everywhere)
-            .missing("Nothing was timed, so nothing is the fastest."),
-    ];
-    sections.extend(front(view, &summary));
+    let mut sections = Answers::of(view).sections(view);
+    if sections.is_empty() {
+        let missing = "Nothing was timed, so nothing is the fastest.";
+        sections.push(Section::prose("").shown(Shown::Everywhere).missing(missing));
+    }
     sections.extend(figures::all(view));
     sections.extend([
         preparation(view),
@@ -32,10 +29,6 @@ pub(crate) fn document(records: &Records) -> Document {
         workloads(view),
         methods(view),
     ]);
-    let says = "f32, f64: best million tests/s. err: relative error of t in f32 against exact arithmetic. \
-                wrong/M: false hits and misses per million pairs in f32. prep: ns per triangle in f32. \
-                B: bytes per triangle in f32.";
-    sections.push(Section::brief(brief(&summary), says));
     sections.push(costs(view));
     sections.extend(havel::sections(view));
     sections.extend(needs::sections(view));
@@ -45,60 +38,6 @@ pub(crate) fn document(records: &Records) -> Document {
         source: source(&records.header),
         sections,
     }
-}
-
-fn finding(view: &View, winner: &Winner) -> Finding {
-    let Winner { variant, million_tests_per_second, .. } = winner;
-    let over = |x: Option<f64>, what: &str| x.map(|x| format!("{} {what}", ratio(x)));
-    let ratios = [
-        over(winner.over_own_scalar, "its own scalar f32"),
-        over(winner.over_scalar_moller_trumbore, "scalar Möller–Trumbore"),
-    ];
-    let (lanes, finish) = (lanes_label(variant), finish_label(variant));
-    let how = format!("{}; {lanes}, {finish}", view.title(&variant.method));
-    Finding::new(
-        format!("Fastest for {}", need_in_prose(winner.needs)),
-        format!("`{}`, {} million tests/s", variant.method, number(*million_tests_per_second)),
-        [how].into_iter().chain(ratios.into_iter().flatten()).collect::<Vec<_>>().join("; "),
-    )
-}
-
-/// The ends of the Pareto front, and all of it.
-fn front(view: &View, summary: &Summary) -> Vec<Section> {
-    let who = |p: &FrontPoint| {
-        let v = &p.variant;
-        format!("{} ({}, {})", view.title(&v.method), lanes_label(v), v.division)
-    };
-    let ns = |p: &FrontPoint| number(p.ns_per_test);
-    let (Some(fast), Some(exact)) = (summary.front.first(), summary.front.last()) else {
-        return Vec::new();
-    };
-    let count = summary.front.len();
-    let (of_fast, of_exact) = (scientific(fast.error), scientific(exact.error));
-    if count == 1 {
-        return vec![Section::prose(format!(
-            "One variant is both the fastest and the most accurate: {}, {} ns per test with a median \
-             relative error of t of {of_fast}.",
-            who(fast),
-            ns(fast),
-        ))];
-    }
-    let says = format!(
-        "For {count} variants, none of the others is both faster and more accurate. The fastest of them is \
-         {}, {} ns per test with a median relative error of t of {of_fast}; the most accurate is {}, {} ns \
-         with {of_exact}.",
-        who(fast),
-        ns(fast),
-        who(exact),
-        ns(exact),
-    );
-    let item = |p: &FrontPoint| {
-        let says = format!("{} ns per test, median error of t {}", ns(p), scientific(p.error));
-        (format!("{}:", who(p)), says)
-    };
-    let items = summary.front.iter().map(item).collect();
-    let all = Section::new("", "", Content::List(items));
-    vec![Section::prose(says), all.folded(format!("All {count} of this Pareto front"))]
 }
 
 /// Preparation time and bytes of each method and precision: a table is their best figure.
@@ -258,26 +197,6 @@ fn methods(view: &View) -> Section {
     let items = view.facts.iter().map(item).collect();
     Section::new("methods", "Methods", Content::List(items))
         .missing("Left out: the record describes no methods.")
-}
-
-/// A row per method, for a terminal.
-fn brief(summary: &Summary) -> Table {
-    fn single(row: &MethodRow) -> Option<&PrecisionRow> {
-        row.precision(F32)
-    }
-    let speed = |row: Option<&PrecisionRow>| row.and_then(|p| p.million_tests_per_second);
-    let error = |row: &MethodRow| single(row).and_then(|p| p.error_of_t);
-    Table::of(&summary.methods)
-        .name("method", |row| &row.method)
-        .number("B", count, |row| single(row)?.bytes_per_triangle.map(|b| b as f64))
-        .number("f32", number, |row| speed(single(row)))
-        .number("f64", number, |row| speed(row.precision(F64)))
-        .number("err p50", scientific, |row| Some(error(row)?.median))
-        .number("p99", scientific, |row| Some(error(row)?.p99))
-        .number("max", scientific, |row| Some(error(row)?.max))
-        .number("wrong/M", number, |row| single(row)?.wrong_per_million)
-        .number("prep", number, |row| single(row)?.preparation_ns)
-        .done()
 }
 
 /// One table over all methods, for the documents.

@@ -239,7 +239,7 @@ impl Shown<'_> {
     }
 
     fn pareto(&self) -> Section {
-        let timed = plane(self.view);
+        let (timed, _) = plane(self.view);
         let strata =
             [("Easy: κ below 100", 0.0), ("Stiff: κ below a million", 1e2), ("Extreme", 1e6)];
         let error = |line: &ByCondition, from: f64| {
@@ -254,8 +254,7 @@ impl Shown<'_> {
             let point = |p: &'_ FrontPoint| {
                 Some((p.variant.clone(), (p.ns_per_test, error(line(&p.variant)?, from)?)))
             };
-            let points: Vec<(Variant, (f64, f64))> =
-                timed.points.iter().filter_map(point).collect();
+            let points: Vec<(Variant, (f64, f64))> = timed.iter().filter_map(point).collect();
             let reference = conditions(self.view, BASELINE, F64).and_then(|line| error(line, from));
             (!points.is_empty()).then(|| Panel::Plane(self.pareto_panel(title, &points, reference)))
         });
