@@ -72,6 +72,7 @@ macro_rules! token {
     ($token:ty, $set:ident, $as:ident) => {
         impl Token for $token {
             const INSTRUCTION_SET: InstructionSet = InstructionSet::$set;
+            #[inline]
             fn detect() -> Option<Self> {
                 Level::new().$as()
             }
