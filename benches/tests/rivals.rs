@@ -13,13 +13,15 @@ use trisect_workloads::write_rays_binary;
 const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n";
 
 /// The contenders that need nothing to be installed.
-const CONTENDERS: [&str; 12] = [
+const CONTENDERS: [&str; 14] = [
     "moller-trumbore",
     "moller-trumbore packets",
+    "moller-trumbore calls",
     "moller-trumbore binned",
     "moller-trumbore linear",
     "watertight",
     "watertight packets",
+    "watertight calls",
     "watertight binned",
     "watertight linear",
     "obvhs bvh2",
@@ -28,7 +30,7 @@ const CONTENDERS: [&str; 12] = [
     "bvh",
 ];
 /// How many of them are ours: the first ones.
-const OURS: usize = 8;
+const OURS: usize = 10;
 
 /// Asks for them alone, as Embree may not be there.
 fn all() -> String {
@@ -94,8 +96,9 @@ fn everybody_hits_what_the_oracle_hits_on_the_teapot() {
         json(Path::new("."), &[&["--mesh", teapot, "--only", &all()][..], &small].concat());
     let built = &report["builds"][0];
     assert_eq!((&report["threads"], &report["repeat"]), (&2.into(), &2.into()));
-    // Packets share the tree of single rays.
-    let trees = CONTENDERS.into_iter().filter(|name| !name.ends_with("packets"));
+    // Packets and calls share the tree of single rays.
+    let shares = |name: &&str| name.ends_with("packets") || name.ends_with("calls");
+    let trees = CONTENDERS.into_iter().filter(|name| !shares(name));
     assert_eq!(names(&built["trees"]), trees.collect::<Vec<_>>());
     for tree in list(&built["trees"]) {
         assert!(tree["samples_ns"][0].as_u64() > Some(0), "{tree}");
@@ -123,8 +126,10 @@ fn everybody_hits_what_the_oracle_hits_on_the_teapot() {
         }
         let hits = |place: usize| contenders[place]["hits"].as_u64().expect("a count");
         assert!(hits(0) > 0);
-        // Single rays and packets are asked the same of the same tree.
-        assert_eq!((hits(0), hits(4)), (hits(1), hits(5)));
+        // Single rays, packets and calls are asked the same of the same tree.
+        for ours in [0, 5] {
+            assert_eq!((hits(ours), hits(ours)), (hits(ours + 1), hits(ours + 2)));
+        }
         // Others may lose rays between triangles, but not many.
         let rays = race["rays"].as_u64().expect("a count");
         for place in OURS..contenders.len() {

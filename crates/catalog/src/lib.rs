@@ -20,6 +20,8 @@ pub use kernel::{Find, Finder, Kernel, Scene, Tally};
 pub use variant::{Lane, Variant};
 pub use yardsticks::{every_triangle, scalar_tree, waived_watertight};
 
+pub use trisect::trees::BuildTree;
+
 pub use trisect_tracer::{Builder, Leaves, Statistics, Tracing, Tree, TriangleHit, fast_lanes};
 
 include!(concat!(env!("OUT_DIR"), "/methods.rs"));
@@ -75,21 +77,17 @@ impl Entry {
     }
 }
 
-/// Builds a tree over triangles, or says why the method does not take them.
-pub type BuildTree = fn(&[Triangle<f32>], Builder, Leaves) -> Result<Box<dyn Tree>, UnsuitableMesh>;
-
 /// The methods whose test is compiled into the traversal loop as well: the reference, the fastest, and those
 /// that promise something. The loop costs several seconds of compilation per method, and what it gains over
-/// a call is shown by the study of the tracer.
+/// a call is shown by the study of the tracer. Those of [`trisect::trees`] are compiled there, the others here.
 pub const INLINE_IN_TREES: [&str; 5] =
     ["moller-trumbore", "baldwin-weber-12", "watertight", "watertight-one-precision", "exact"];
 
-/// Whether the method of that name is one of [`INLINE_IN_TREES`]; for constants, where `==` on text is
-/// not available.
-const fn is_inline_in_trees(name: &str) -> bool {
+/// Whether a name is one of some; for constants, where `==` on text is not available.
+const fn is_one_of(name: &str, names: &[&str]) -> bool {
     let mut place = 0;
-    while place < INLINE_IN_TREES.len() {
-        let (ours, theirs) = (INLINE_IN_TREES[place].as_bytes(), name.as_bytes());
+    while place < names.len() {
+        let (ours, theirs) = (names[place].as_bytes(), name.as_bytes());
         let mut length = 0;
         while length < ours.len() && length < theirs.len() && ours[length] == theirs[length] {
             length += 1;
@@ -141,7 +139,9 @@ pub fn entries() -> &'static [Entry] {
                 flushing: matrix::flushing::<M>(),
                 stages: M::STAGES,
                 erased_tree: T::erased_tree,
-                inline_tree: if const { is_inline_in_trees(M::INFO.name) } {
+                inline_tree: if const { is_one_of(M::INFO.name, &trisect::trees::NAMES) } {
+                    trisect::trees::find(M::INFO.name)
+                } else if const { is_one_of(M::INFO.name, &INLINE_IN_TREES) } {
                     Some(T::inline_tree)
                 } else {
                     None

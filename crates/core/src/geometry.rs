@@ -230,6 +230,11 @@ impl<X: Float> Ray<X> {
         let (tmin, tmax) = (X::from_f64(0.0), X::from_f64(f64::INFINITY));
         Self { o: o.into(), d: d.into(), tmin, tmax }
     }
+
+    /// The same ray with `t` in `[tmin, tmax]`.
+    pub fn with_interval(self, tmin: X, tmax: X) -> Self {
+        Self { tmin, tmax, ..self }
+    }
 }
 
 impl From<Ray<f32>> for Ray<f64> {

@@ -73,6 +73,7 @@ macro_rules! token {
     ($token:ty, $set:ident, $as:ident) => {
         impl Token for $token {
             const INSTRUCTION_SET: InstructionSet = InstructionSet::$set;
+            #[inline]
             fn detect() -> Option<Self> {
                 Level::new().$as()
             }

@@ -1,5 +1,7 @@
 //! How a batch of rays goes through a tree, whatever its method.
 
+use std::slice::{from_mut, from_ref};
+
 use trisect_core::Ray;
 use trisect_method::Culling;
 
@@ -56,6 +58,18 @@ pub(crate) trait Traced: Send + Sync {
 
     /// The same for any hits.
     fn any_in_loop(&self, rays: &[Ray<f32>], order: &Order, found: &mut [bool]) -> bool;
+
+    /// Finds the nearest hit of one ray, in a loop that is compiled for the method; whether there is one, for this
+    /// processor. `found` is left as it is where the ray has nothing to find.
+    fn closest_one_in_loop(
+        &self,
+        culling: Culling,
+        ray: &Ray<f32>,
+        found: &mut Option<TriangleHit>,
+    ) -> bool;
+
+    /// The same for any hit.
+    fn any_one_in_loop(&self, culling: Culling, ray: &Ray<f32>, found: &mut bool) -> bool;
 }
 
 /// The nearest hit, in plain arithmetic.
@@ -100,6 +114,30 @@ pub(crate) fn any(
             });
         }
     });
+}
+
+/// The nearest hit of one ray.
+#[inline]
+pub(crate) fn closest_hit(
+    traced: &dyn Traced,
+    culling: Culling,
+    ray: &Ray<f32>,
+) -> Option<TriangleHit> {
+    let mut found = None;
+    if !traced.closest_one_in_loop(culling, ray, &mut found) {
+        closest(traced, Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
+    }
+    found
+}
+
+/// Whether one ray hits anything.
+#[inline]
+pub(crate) fn any_hit(traced: &dyn Traced, culling: Culling, ray: &Ray<f32>) -> bool {
+    let mut found = false;
+    if !traced.any_one_in_loop(culling, ray, &mut found) {
+        any(traced, Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
+    }
+    found
 }
 
 /// Traces rays in plain arithmetic, by the calling thread.

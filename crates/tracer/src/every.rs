@@ -9,6 +9,7 @@ use trisect_method::{
     UnsuitableMesh,
 };
 
+use crate::bvh::builders::RefitError;
 use crate::bvh::builders::settings::Builder;
 use crate::bvh::wide::Statistics;
 use crate::dispatch::{Tracing, assert_room};
@@ -142,6 +143,15 @@ impl<M: Method> Tree for EveryTriangle<M> {
         for triangle in (0..).take(self.count) {
             visit(triangle);
         }
+    }
+
+    fn refit(&mut self, triangles: &[Triangle<f32>]) -> Result<(), RefitError> {
+        let (built, given) = (self.count, triangles.len());
+        if built != given {
+            return Err(RefitError::Count { built, given });
+        }
+        self.triangles = PreparedTriangles::new(triangles)?;
+        Ok(())
     }
 
     /// Of a tree without nodes.

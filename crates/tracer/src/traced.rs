@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use trisect_core::{Lanes, Ray};
-use trisect_method::{ExactMethod, Method, Refine};
+use trisect_method::{Culling, ExactMethod, Method, Refine};
 
 use crate::bvh::wide::WideTree;
 use crate::dispatch::Traced;
@@ -12,13 +12,13 @@ use crate::lanes::on_fast_lanes;
 use crate::leaf::blocks::Blocks;
 use crate::leaf::erased::{ErasedLeaves, MethodLeaves, Tester};
 use crate::leaf::exact::Exactly;
-use crate::leaf::query::{Hits, LeafQuery, Queries};
+use crate::leaf::query::{Hits, HitsOf, LeafQuery, Queries};
 use crate::leaf::single::{AtLeaf, Rounded, test_ray};
 use crate::query::{Any, Both, Promised};
-use crate::rays::batch::{RAYS, Work};
+use crate::rays::batch::Work;
 use crate::rays::reorder::Order;
-use crate::traverse::target::Target;
-use crate::traverse::trace::Trace;
+use crate::traverse::target::{PacketTarget, Target};
+use crate::traverse::trace::{Trace, TraceOne};
 
 /// A tree with the leaves of a method, whose test is in the loops of the tree or behind calls.
 struct TreeOf<M: Method, K, const IN_LOOP: bool> {
@@ -73,6 +73,14 @@ impl<M: Method, K: Queries<M>, const IN_LOOP: bool> TreeOf<M, K, IN_LOOP> {
             false
         }
     }
+
+    fn trace_one<Q: LeafQuery<M>>(&self, query: Q, ray: &Ray<f32>, found: &mut Q::Output) -> bool {
+        if const { IN_LOOP } {
+            on_fast_lanes(TraceOne { target: self, query, ray, found }).is_some()
+        } else {
+            false
+        }
+    }
 }
 
 impl<M: Method, K: Queries<M>, const IN_LOOP: bool> Traced for TreeOf<M, K, IN_LOOP> {
@@ -100,20 +108,33 @@ impl<M: Method, K: Queries<M>, const IN_LOOP: bool> Traced for TreeOf<M, K, IN_L
     fn any_in_loop(&self, rays: &[Ray<f32>], order: &Order, found: &mut [bool]) -> bool {
         self.trace(Any::<Promised<M>, Both>::new(Both), rays, order, found)
     }
+
+    fn closest_one_in_loop(
+        &self,
+        culling: Culling,
+        ray: &Ray<f32>,
+        found: &mut Option<TriangleHit>,
+    ) -> bool {
+        self.trace_one(K::closest::<Promised<M>, Culling>(culling), ray, found)
+    }
+
+    fn any_one_in_loop(&self, culling: Culling, ray: &Ray<f32>, found: &mut bool) -> bool {
+        self.trace_one(Any::<Promised<M>, Culling>::new(culling), ray, found)
+    }
 }
 
 /// The tree itself, not a pair of nodes and leaves: what is behind one pointer is at hand in a register, which is
 /// worth a tenth.
-impl<'a, M, K, Q, const IN_LOOP: bool> Target<'a, Q> for &'a TreeOf<M, K, IN_LOOP>
+impl<'a, M, K, Q, const IN_LOOP: bool, const N: usize> Target<'a, Q, N>
+    for &'a TreeOf<M, K, IN_LOOP>
 where
     M: Method,
     K: Queries<M>,
     Q: LeafQuery<M>,
 {
     const LINES: bool = K::LINES;
-    type Hits = Hits<Q::Best, Q::Room>;
+    type Hits = HitsOf<M, Q, N>;
     type Seed = ();
-    type Packets<L: Lanes<Elem = f32>> = Tester<'a, M, L, Q>;
 
     #[inline(always)]
     fn tree(self) -> &'a WideTree {
@@ -135,14 +156,14 @@ where
         self,
         token: L::Token,
         query: Q,
-        Work { rays, hits }: &mut Work<Self::Hits>,
+        Work { rays, hits }: &mut Work<Self::Hits, N>,
         index: usize,
         leaf: Range<usize>,
     ) -> bool {
         let ray = if const { K::LINES } { rays.line(index) } else { rays.ray(index) };
-        let best = &mut hits.best[index % RAYS];
+        let best = &mut hits.best[index % N];
         let at_leaf = AtLeaf { blocks: &self.leaves.blocks, query, ray };
-        let is_hit = test_ray::<M, L, Q>(token, at_leaf, leaf, (rays, index), best);
+        let is_hit = test_ray::<M, L, Q, N>(token, at_leaf, leaf, (rays, index), best);
         if is_hit {
             rays.end(index, Q::end(best, ray.tmax));
         }
@@ -150,9 +171,18 @@ where
     }
 
     #[inline(always)]
-    fn finish(self, Work { rays, hits }: &mut Work<Self::Hits>) -> &[Q::Found; RAYS] {
+    fn finish(self, Work { rays, hits }: &mut Work<Self::Hits, N>) -> &[Q::Found; N] {
         Q::finish(&self.leaves.blocks, rays, hits)
     }
+}
+
+impl<'a, M, K, Q, const IN_LOOP: bool> PacketTarget<'a, Q> for &'a TreeOf<M, K, IN_LOOP>
+where
+    M: Method,
+    K: Queries<M>,
+    Q: LeafQuery<M>,
+{
+    type Packets<L: Lanes<Elem = f32>> = Tester<'a, M, L, Q>;
 
     #[inline(always)]
     fn packets<L: Lanes<Elem = f32>>(self, token: L::Token, query: Q, (): ()) -> Self::Packets<L> {

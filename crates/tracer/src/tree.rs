@@ -1,6 +1,7 @@
 //! Trees over meshes: one type for each way of compiling a method into them.
 
 use std::marker::PhantomData;
+use std::slice::{from_mut, from_ref};
 
 use trisect_core::{Ray, Triangle};
 use trisect_method::{Culling, Method, UnsuitableMesh};
@@ -39,6 +40,21 @@ pub trait Tree: Send + Sync {
     /// When there are fewer places in `found` than rays.
     fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]);
 
+    /// The closest hit of one ray: that of [`Tree::closest`] with [`Tracing::Single`], to the bit. In a tree that is
+    /// [compiled for a method](Bvh), on a processor with [fast lanes](crate::fast_lanes), it allocates nothing.
+    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
+        let mut found = None;
+        self.closest(Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
+        found
+    }
+
+    /// Whether one ray hits anything: as [`Tree::closest_hit`], of [`Tree::any`].
+    fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool {
+        let mut found = false;
+        self.any(Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
+        found
+    }
+
     /// A ray's closest hit, and how many tests it takes to find it, one box and one triangle at a time.
     /// The hit is that of [`Tracing::Plain`].
     fn count(&self, ray: &Ray<f32>) -> Counted;
@@ -47,6 +63,18 @@ pub trait Tree: Send + Sync {
     /// id of one, and says where the ray's interval ends from then on. None that the ray truly hits before
     /// that end is left out.
     fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32);
+
+    /// Fits the tree to triangles that have moved since it was built: prepares them anew and computes
+    /// the boxes, in the same tree. It answers as a new one would; how fast depends on how far they
+    /// moved relative to each other. The box of a triangle that was divided between leaves is whole
+    /// again in each, so build trees to be refitted without spatial splits.
+    ///
+    /// Triangles that nothing can hit any more are kept, and may come back later.
+    ///
+    /// # Errors
+    /// When there are not as many triangles as before, when one can be hit that could not be when the
+    /// tree was built, or when the method cannot take the mesh. The tree is as before then.
+    fn refit(&mut self, triangles: &[Triangle<f32>]) -> Result<(), RefitError>;
 
     /// Facts about the tree.
     fn statistics(&self) -> Statistics;
@@ -105,20 +133,6 @@ impl<M: Method> Bvh<M> {
         let traced = traced::<M, true>(triangles, builder, leaves)?;
         Ok(Self { traced, method: PhantomData })
     }
-
-    /// Fits the tree to triangles that have moved since it was built: prepares them anew and computes
-    /// the boxes, in the same tree. It answers as a new one would; how fast depends on how far they
-    /// moved relative to each other. The box of a triangle that was divided between leaves is whole
-    /// again in each, so build trees to be refitted without spatial splits.
-    ///
-    /// Triangles that nothing can hit any more are kept, and may come back later.
-    ///
-    /// # Errors
-    /// When there are not as many triangles as before, when one can be hit that could not be when the
-    /// tree was built, or when the method cannot take the mesh. The tree is as before then.
-    pub fn refit(&mut self, triangles: &[Triangle<f32>]) -> Result<(), RefitError> {
-        refit(&mut *self.traced, triangles)
-    }
 }
 
 impl ErasedBvh {
@@ -150,14 +164,6 @@ impl ErasedBvh {
     ) -> Result<Self, UnsuitableMesh> {
         Ok(Self { traced: traced::<M, false>(triangles, builder, leaves)? })
     }
-
-    /// As [`Bvh::refit`].
-    ///
-    /// # Errors
-    /// As [`Bvh::refit`].
-    pub fn refit(&mut self, triangles: &[Triangle<f32>]) -> Result<(), RefitError> {
-        refit(&mut *self.traced, triangles)
-    }
 }
 
 impl<M: Method> ScalarBvh<M> {
@@ -186,7 +192,7 @@ fn traced<M: Method, const IN_LOOP: bool>(
     Ok(traced::traced::<M, IN_LOOP>(tree, Blocks::new(triangles, &members)))
 }
 
-/// As [`Bvh::refit`].
+/// As [`Tree::refit`].
 fn refit(traced: &mut dyn Traced, triangles: &[Triangle<f32>]) -> Result<(), RefitError> {
     let (tree, leaves) = traced.parts();
     let blocks: Vec<[u32; WIDTH]> =
@@ -205,6 +211,10 @@ macro_rules! inspections {
 
         fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32) {
             inspect::candidates(self.traced.tree(), self.traced.leaves(), ray, visit);
+        }
+
+        fn refit(&mut self, triangles: &[Triangle<f32>]) -> Result<(), RefitError> {
+            refit(&mut *self.traced, triangles)
         }
 
         fn statistics(&self) -> Statistics {
@@ -233,6 +243,14 @@ macro_rules! queries {
 }
 
 impl<M: Method> Tree for Bvh<M> {
+    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
+        dispatch::closest_hit(&*self.traced, culling, ray)
+    }
+
+    fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool {
+        dispatch::any_hit(&*self.traced, culling, ray)
+    }
+
     queries!();
     inspections!();
 }

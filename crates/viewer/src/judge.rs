@@ -144,7 +144,7 @@ mod tests {
     use trisect_method::Culling;
     use trisect_render::Settings;
     use trisect_scene::Scene;
-    use trisect_tracer::{Counted, Statistics, Tracing, Tree};
+    use trisect_tracer::{Counted, RefitError, Statistics, Tracing, Tree};
 
     use super::*;
 
@@ -167,6 +167,9 @@ mod tests {
         }
         fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32) {
             self.0.candidates(ray, visit);
+        }
+        fn refit(&mut self, _: &[Triangle<f32>]) -> Result<(), RefitError> {
+            unreachable!("nothing moves here");
         }
         fn statistics(&self) -> Statistics {
             self.0.statistics()

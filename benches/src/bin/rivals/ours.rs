@@ -14,10 +14,23 @@ use crate::contender::{Answers, Built, Contender, Entrant, Found, timed};
 /// to, and the one that never lets a ray through between triangles.
 pub(crate) const DEFAULT: [&str; 2] = ["moller-trumbore", "watertight"];
 
-/// How a tree is traced with, and what the name of who does so ends in.
-type Way = (Tracing, &'static str);
+/// How rays are handed to a tree.
+#[derive(Clone, Copy)]
+enum Handing {
+    /// All at once.
+    Batch(Tracing),
+    /// One per call, as Embree's are.
+    Calls,
+}
 
-const WAYS: [Way; 2] = [(Tracing::Single, ""), (Tracing::Packets, " packets")];
+/// How a tree is traced with, and what the name of who does so ends in.
+type Way = (Handing, &'static str);
+
+const WAYS: [Way; 3] = [
+    (Handing::Batch(Tracing::Single), ""),
+    (Handing::Batch(Tracing::Packets), " packets"),
+    (Handing::Calls, " calls"),
+];
 
 /// The trees of a method: that which is the fastest to trace in every way of tracing, and those that are
 /// built by other builders.
@@ -50,10 +63,10 @@ fn entrant(name: &str, ways: &'static [Way], builder: Builder, entry: &'static E
             let tree = tree.map_err(|unsuitable| anyhow!("{unsuitable}"))?;
             let bytes = Some(tree.statistics().bytes);
             let tree: Arc<dyn Tree> = tree.into();
-            let contender = |&(tracing, _): &Way| {
+            let contender = |&(handing, _): &Way| {
                 let tree = Arc::clone(&tree);
                 let (rays, closest, any) = (Vec::new(), Vec::new(), Vec::new());
-                Box::new(Ours { tree, tracing, rays, closest, any }) as Box<dyn Contender>
+                Box::new(Ours { tree, handing, rays, closest, any }) as Box<dyn Contender>
             };
             Ok(Built { contenders: ways.iter().map(contender).collect(), time, bytes })
         }),
@@ -62,7 +75,7 @@ fn entrant(name: &str, ways: &'static [Way], builder: Builder, entry: &'static E
 
 struct Ours {
     tree: Arc<dyn Tree>,
-    tracing: Tracing,
+    handing: Handing,
     rays: Vec<Ray<f32>>,
     closest: Vec<Option<TriangleHit>>,
     any: Vec<bool>,
@@ -77,12 +90,28 @@ impl Contender for Ours {
 
     fn closest(&mut self, rays: Range<usize>) {
         let found = &mut self.closest[rays.clone()];
-        self.tree.closest(self.tracing, Culling::None, &self.rays[rays], found);
+        let rays = &self.rays[rays];
+        match self.handing {
+            Handing::Batch(tracing) => self.tree.closest(tracing, Culling::None, rays, found),
+            Handing::Calls => {
+                for (ray, found) in rays.iter().zip(found) {
+                    *found = self.tree.closest_hit(Culling::None, ray);
+                }
+            }
+        }
     }
 
     fn any(&mut self, rays: Range<usize>) {
         let found = &mut self.any[rays.clone()];
-        self.tree.any(self.tracing, Culling::None, &self.rays[rays], found);
+        let rays = &self.rays[rays];
+        match self.handing {
+            Handing::Batch(tracing) => self.tree.any(tracing, Culling::None, rays, found),
+            Handing::Calls => {
+                for (ray, found) in rays.iter().zip(found) {
+                    *found = self.tree.any_hit(Culling::None, ray);
+                }
+            }
+        }
     }
 
     fn answers(&self, any: bool) -> Answers {

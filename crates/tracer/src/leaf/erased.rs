@@ -8,7 +8,7 @@ use trisect_core::{Lanes, Token as _, Triangle};
 use trisect_method::{Culling, Method, UnsuitableMesh};
 
 use super::blocks::Blocks;
-use super::query::{Hits, LeafQuery, Queries};
+use super::query::{Hits, HitsOf, LeafQuery, Queries};
 use super::single::{AtLeaf, test_ray};
 use crate::bvh::builders::members::{Kinds, Members};
 use crate::hit::TriangleHit;
@@ -60,7 +60,7 @@ pub(crate) struct Tester<'a, M: Method, L: Lanes, Q: LeafQuery<M>> {
     blocks: &'a Blocks<M>,
     token: L::Token,
     query: Q,
-    hits: Hits<Q::Best, Q::Room>,
+    hits: HitsOf<M, Q>,
 }
 
 impl<'a, M: Method, L: Lanes, Q: LeafQuery<M>> Tester<'a, M, L, Q> {
@@ -101,7 +101,7 @@ where
                     let (ray, best) = (rays.ray(index), &mut hits.best[index]);
                     let at_leaf = AtLeaf { blocks, query, ray };
                     let of = (&*rays, index);
-                    let is_hit = test_ray::<M, L, Q>(token, at_leaf, leaf.clone(), of, best);
+                    let is_hit = test_ray::<M, L, Q, RAYS>(token, at_leaf, leaf.clone(), of, best);
                     any |= is_hit;
                     let tmax = Q::end(best, ray.tmax);
                     rays.shorten(index, select_unpredictable(is_hit, tmax, ray.tmax));

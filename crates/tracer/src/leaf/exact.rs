@@ -16,7 +16,7 @@ use super::blocks::{Blocks, slot};
 use super::query::{Hits, InBlock, LeafQuery, Left, Queries, end_after};
 use crate::hit::TriangleHit;
 use crate::query::{Boxes, Faces, Query, Robust};
-use crate::rays::batch::{RAYS, RayBatch, Row};
+use crate::rays::batch::{RayBatch, Row};
 use crate::vectors::{WIDTH, least};
 
 /// The queries of an exact method.
@@ -70,22 +70,22 @@ impl Bounded {
 }
 
 /// Room for the values of hits.
-pub(crate) struct Values {
+pub(crate) struct Values<const N: usize> {
     /// The triangles that rays hit. Where there is none, arbitrary numbers, so that nothing has to be cleared.
-    corners: Triangle<Row>,
-    found: [TriangleHit; RAYS],
+    corners: Triangle<Row<N>>,
+    found: [TriangleHit; N],
 }
-
-const ZEROS: Vec3<Row> = Vec3::new([0.0; RAYS], [0.0; RAYS], [0.0; RAYS]);
 
 impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
     type Best = Bounded;
-    type Room = Values;
+    type Room<const N: usize> = Values<N>;
     const NOTHING: Bounded = Bounded::NONE;
-    const ROOM: Values = Values {
-        corners: Triangle { a: ZEROS, b: ZEROS, c: ZEROS },
-        found: [TriangleHit::NONE; RAYS],
-    };
+
+    #[inline(always)]
+    fn room<const N: usize>() -> Values<N> {
+        let zeros = Vec3::new([0.0; N], [0.0; N], [0.0; N]);
+        Values { corners: Triangle { a: zeros, b: zeros, c: zeros }, found: [TriangleHit::NONE; N] }
+    }
 
     #[inline(always)]
     fn culling(self) -> Culling {
@@ -126,10 +126,10 @@ impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
     /// Out of line, and the ray is read from the batch there: in memory for its sake it would be stored for every
     /// leaf.
     #[inline(always)]
-    fn settle(
+    fn settle<const N: usize>(
         self,
         blocks: &Blocks<M>,
-        rays: &RayBatch,
+        rays: &RayBatch<N>,
         index: usize,
         Left { blocks: Range { start, end }, lanes }: Left,
         best: &mut Bounded,
@@ -141,11 +141,11 @@ impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
     /// has been written for a while. Rays are stored number by number already, so that only triangles have to be
     /// brought to them.
     #[inline(always)]
-    fn finish<'a>(
+    fn finish<'a, const N: usize>(
         blocks: &Blocks<M>,
-        rays: &RayBatch,
-        Hits { best, room: Values { corners, found } }: &'a mut Hits<Bounded, Values>,
-    ) -> &'a [TriangleHit; RAYS] {
+        rays: &RayBatch<N>,
+        Hits { best, room: Values { corners, found } }: &'a mut Hits<Bounded, Values<N>, N>,
+    ) -> &'a [TriangleHit; N] {
         let mut hits = 0;
         for (index, (best, found)) in best.iter().zip(&mut *found).enumerate() {
             hits |= u64::from(best.is_hit()) << index;
@@ -156,7 +156,7 @@ impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
         }
         let mut left = hits;
         while left != 0 {
-            let index = left.trailing_zeros() as usize % RAYS;
+            let index = left.trailing_zeros() as usize % N;
             left &= left - 1;
             let slot = best[index].slot;
             let Triangle { a, b, c } = M::corners(&blocks.prepared(slot));
@@ -168,7 +168,7 @@ impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
         }
         let values = M::values(&rays.rays(), corners, hits);
         while hits != 0 {
-            let index = hits.trailing_zeros() as usize % RAYS;
+            let index = hits.trailing_zeros() as usize % N;
             hits &= hits - 1;
             let (t, beta, gamma) = (values.t[index], values.beta[index], values.gamma[index]);
             found[index].hit = Hit { t, beta, gamma };
@@ -178,7 +178,7 @@ impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
 }
 
 #[inline(always)]
-fn put(rows: &mut Vec3<Row>, index: usize, v: Vec3<f32>) {
+fn put<const N: usize>(rows: &mut Vec3<Row<N>>, index: usize, v: Vec3<f32>) {
     (rows.x[index], rows.y[index], rows.z[index]) = (v.x, v.y, v.z);
 }
 
@@ -211,10 +211,10 @@ fn take<L: Lanes<Elem = f32>>(screened: Screened<L>, first_slot: u32, best: &mut
 /// exactly.
 #[cold]
 #[inline(never)]
-fn settle<M: ExactMethod>(
+fn settle<M: ExactMethod, const N: usize>(
     blocks: &Blocks<M>,
     culling: Culling,
-    rays: &RayBatch,
+    rays: &RayBatch<N>,
     index: usize,
     (start, end, left): (usize, usize, u64),
     best: &mut Bounded,

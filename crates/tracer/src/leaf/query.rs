@@ -15,12 +15,12 @@ use crate::rays::slabs::{ROUNDINGS, UNDERFLOW};
 pub(crate) trait LeafQuery<M: Method>: Query {
     /// What is known of the hits of one ray on its way.
     type Best: Copy;
-    /// Room for what is computed when rays have left the tree.
-    type Room;
+    /// Room for what is computed when so many rays have left the tree.
+    type Room<const N: usize>;
     /// What is known before any test.
     const NOTHING: Self::Best;
     /// The room before anything is in it.
-    const ROOM: Self::Room;
+    fn room<const N: usize>() -> Self::Room<N>;
 
     /// The faces that are not seen.
     fn culling(self) -> Culling;
@@ -44,10 +44,10 @@ pub(crate) trait LeafQuery<M: Method>: Query {
 
     /// Takes what is better than the best of what a test has left. A method that rounds leaves nothing.
     #[inline(always)]
-    fn settle(
+    fn settle<const N: usize>(
         self,
         _blocks: &Blocks<M>,
-        _rays: &RayBatch,
+        _rays: &RayBatch<N>,
         _index: usize,
         _left: Left,
         _best: &mut Self::Best,
@@ -70,11 +70,11 @@ pub(crate) trait LeafQuery<M: Method>: Query {
     }
 
     /// What rays have found that have left the tree.
-    fn finish<'a>(
+    fn finish<'a, const N: usize>(
         blocks: &Blocks<M>,
-        rays: &RayBatch,
-        hits: &'a mut Hits<Self::Best, Self::Room>,
-    ) -> &'a [Self::Found; RAYS];
+        rays: &RayBatch<N>,
+        hits: &'a mut HitsOf<M, Self, N>,
+    ) -> &'a [Self::Found; N];
 }
 
 /// Which triangles of which block.
@@ -93,23 +93,27 @@ pub(crate) struct Left {
     pub(crate) lanes: u64,
 }
 
-/// What is known of the hits of a batch of rays.
-pub(crate) struct Hits<B, R> {
-    pub(crate) best: [B; RAYS],
+/// What is known of the hits of some rays.
+pub(crate) struct Hits<B, R, const N: usize> {
+    pub(crate) best: [B; N],
     pub(crate) room: R,
 }
 
-impl<B: Copy, R> Hits<B, R> {
+/// What is known of the hits of some rays that ask a query.
+pub(crate) type HitsOf<M, Q, const N: usize = RAYS> =
+    Hits<<Q as LeafQuery<M>>::Best, <Q as LeafQuery<M>>::Room<N>, N>;
+
+impl<B: Copy, R, const N: usize> Hits<B, R, N> {
     /// Nothing so far.
     #[inline(always)]
-    pub(crate) const fn new<M: Method, Q: LeafQuery<M, Best = B, Room = R>>() -> Self {
-        Self { best: [Q::NOTHING; RAYS], room: Q::ROOM }
+    pub(crate) fn new<M: Method, Q: LeafQuery<M, Best = B, Room<N> = R>>() -> Self {
+        Self { best: [Q::NOTHING; N], room: Q::room::<N>() }
     }
 
     /// For other rays: nothing so far.
     #[inline(always)]
     pub(crate) fn clear<M: Method, Q: LeafQuery<M, Best = B>>(&mut self) {
-        self.best = [Q::NOTHING; RAYS];
+        self.best = [Q::NOTHING; N];
     }
 }
 

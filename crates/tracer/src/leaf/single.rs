@@ -30,13 +30,13 @@ impl<M: Method, Q: Copy> Clone for AtLeaf<'_, M, Q> {
 
 impl<M: Method, Q: Copy> Copy for AtLeaf<'_, M, Q> {}
 
-/// Tests a ray of a batch against the triangles of a leaf; whether it has hit anything so far.
+/// Tests one of some rays against the triangles of a leaf; whether it has hit anything so far.
 #[inline(always)]
-pub(crate) fn test_ray<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>>(
+pub(crate) fn test_ray<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>, const N: usize>(
     token: L::Token,
     at_leaf: AtLeaf<'_, M, Q>,
     leaf: Range<usize>,
-    (rays, index): (&RayBatch, usize),
+    (rays, index): (&RayBatch<N>, usize),
     best: &mut Q::Best,
 ) -> bool {
     let axis = if const { M::TURNS } { at_leaf.ray.d.largest_axis() } else { 2 };
@@ -125,9 +125,10 @@ impl<M: Method> Queries<M> for Rounded {
 
 impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Closest<B, F> {
     type Best = TriangleHit;
-    type Room = ();
+    type Room<const N: usize> = ();
     const NOTHING: TriangleHit = TriangleHit::NONE;
-    const ROOM: () = ();
+
+    fn room<const N: usize>() {}
 
     #[inline(always)]
     fn culling(self) -> Culling {
@@ -159,7 +160,13 @@ impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Closest<B, F> {
             interval,
             self.faces.culling(),
             #[inline(always)]
-            |met, hit| best.improve(nearest(met, hit, &block.triangles[lane..])),
+            |met, hit| {
+                // The one thing that is asked: where nothing is hit, a ray alone goes on without waiting for the
+                // least of the lanes.
+                if L::any(met) {
+                    best.improve(nearest(met, hit, &block.triangles[lane..]));
+                }
+            },
         );
         0
     }
@@ -185,20 +192,21 @@ impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Closest<B, F> {
     }
 
     #[inline(always)]
-    fn finish<'a>(
+    fn finish<'a, const N: usize>(
         _: &Blocks<M>,
-        _: &RayBatch,
-        hits: &'a mut Hits<TriangleHit, ()>,
-    ) -> &'a [TriangleHit; RAYS] {
+        _: &RayBatch<N>,
+        hits: &'a mut Hits<TriangleHit, (), N>,
+    ) -> &'a [TriangleHit; N] {
         &hits.best
     }
 }
 
 impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Any<B, F> {
     type Best = bool;
-    type Room = ();
+    type Room<const N: usize> = ();
     const NOTHING: bool = false;
-    const ROOM: () = ();
+
+    fn room<const N: usize>() {}
 
     #[inline(always)]
     fn culling(self) -> Culling {
@@ -258,7 +266,11 @@ impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Any<B, F> {
     }
 
     #[inline(always)]
-    fn finish<'a>(_: &Blocks<M>, _: &RayBatch, hits: &'a mut Hits<bool, ()>) -> &'a [bool; RAYS] {
+    fn finish<'a, const N: usize>(
+        _: &Blocks<M>,
+        _: &RayBatch<N>,
+        hits: &'a mut Hits<bool, (), N>,
+    ) -> &'a [bool; N] {
         &hits.best
     }
 }

@@ -5,6 +5,7 @@ use prefetch_index::prefetch_index;
 use trisect_core::{Lanes, Ray, Vec3};
 use trisect_method::Interval;
 
+use super::packet_bounds::Octant;
 use super::slabs::Slabs;
 use crate::bvh::bounds::Bounds;
 use crate::query::Boxes;
@@ -21,28 +22,28 @@ const NO_RAY: Ray<f32> =
     Ray { o: Vec3::new(0.0, 0.0, 0.0), d: Vec3::new(0.0, 0.0, 0.0), tmin: 1.0, tmax: 0.0 };
 
 /// One number of each ray.
-pub(crate) type Row = [f32; RAYS];
+pub(crate) type Row<const N: usize = RAYS> = [f32; N];
 
-/// Rays, and what their tests of boxes need.
+/// Rays, and what their tests of boxes need: a batch of them, or one.
 #[repr(align(64))]
-pub(crate) struct RayBatch {
+pub(crate) struct RayBatch<const N: usize = RAYS> {
     /// The numbers of each ray side by side, where they are [kept so](RayBatch::fill). The interval is the
     /// given one, but its end moves once it is [shortened](RayBatch::shorten).
-    lines: [[f32; NUMBERS]; RAYS],
-    o: [Row; 3],
-    d: [Row; 3],
-    tmin: Row,
+    lines: [[f32; NUMBERS]; N],
+    o: [Row<N>; 3],
+    d: [Row<N>; 3],
+    tmin: Row<N>,
     /// Where intervals end: at the best hit, where there is one.
-    tmax: Row,
-    inverse: [Row; 3],
-    start: [Row; 3],
+    tmax: Row<N>,
+    inverse: [Row<N>; 3],
+    start: [Row<N>; 3],
 }
 
-/// A batch of rays, and what is known of their hits. Together, so that a loop has both behind one pointer, and in this
+/// Rays, and what is known of their hits. Together, so that a loop has both behind one pointer, and in this
 /// order, which was the faster one.
 #[repr(C)]
-pub(crate) struct Work<H> {
-    pub(crate) rays: RayBatch,
+pub(crate) struct Work<H, const N: usize = RAYS> {
+    pub(crate) rays: RayBatch<N>,
     pub(crate) hits: H,
 }
 
@@ -116,37 +117,6 @@ impl RayBatch {
         (self.tmin[index], self.tmax[index]) = (tmin, tmax);
     }
 
-    /// A ray.
-    #[inline(always)]
-    pub(crate) fn ray(&self, index: usize) -> Ray<f32> {
-        let at = index % RAYS;
-        Ray {
-            o: Vec3::new(self.o[0][at], self.o[1][at], self.o[2][at]),
-            d: Vec3::new(self.d[0][at], self.d[1][at], self.d[2][at]),
-            tmin: self.tmin[at],
-            tmax: self.tmax[at],
-        }
-    }
-
-    /// All rays, coordinate by coordinate.
-    #[inline(always)]
-    pub(crate) fn rays(&self) -> Ray<&Row> {
-        let ([ox, oy, oz], [dx, dy, dz]) = (&self.o, &self.d);
-        let (o, d) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
-        Ray { o, d, tmin: &self.tmin, tmax: &self.tmax }
-    }
-
-    /// A ray whose numbers are stored side by side. Where much is computed with a ray, the compiler gathers its
-    /// numbers from rows, which takes longer than reading them here; where little is, storing them is not worth
-    /// its time.
-    #[inline(always)]
-    pub(crate) fn line(&self, index: usize) -> Ray<f32> {
-        let at = index % RAYS;
-        let [ox, oy, oz, dx, dy, dz, ..] = self.lines[at];
-        let (o, d) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
-        Ray { o, d, tmin: self.tmin[at], tmax: self.tmax[at] }
-    }
-
     /// Takes as many of some rays, in bits, as there are lanes: the rays, one per lane, and their indices. Lanes that
     /// are left over have a ray that finds nothing. The numbers of the rays must be stored side by side.
     #[inline(always)]
@@ -171,41 +141,11 @@ impl RayBatch {
         (by_number::<L>(token, numbers.as_flattened()), indices)
     }
 
-    /// Where a ray's interval ends.
-    #[inline(always)]
-    pub(crate) fn tmax(&self, index: usize) -> f32 {
-        self.tmax[index % RAYS]
-    }
-
-    /// Ends a ray's interval at `tmax`.
-    #[inline(always)]
-    pub(crate) fn end(&mut self, index: usize, tmax: f32) {
-        self.tmax[index % RAYS] = tmax;
-    }
-
     /// The same for a ray that may be [gathered](RayBatch::gather).
     #[inline(always)]
     pub(crate) fn shorten(&mut self, index: usize, tmax: f32) {
         self.end(index, tmax);
         self.lines[index % RAYS][NUMBERS - 1] = tmax;
-    }
-
-    /// What the tests of boxes of one ray need, in all lanes.
-    #[inline(always)]
-    pub(crate) fn slabs<L: Lanes<Elem = f32>>(&self, token: L::Token, index: usize) -> Slabs<L> {
-        let at = index % RAYS;
-        let of = Slabs {
-            inverse: Vec3::new(self.inverse[0][at], self.inverse[1][at], self.inverse[2][at]),
-            start: Vec3::new(self.start[0][at], self.start[1][at], self.start[2][at]),
-        };
-        Slabs { inverse: splat(token, of.inverse), start: splat(token, of.start) }
-    }
-
-    /// The interval of one ray, in all lanes.
-    #[inline(always)]
-    pub(crate) fn interval<L: Lanes<Elem = f32>>(&self, token: L::Token, index: usize) -> (L, L) {
-        let at = index % RAYS;
-        (L::splat(token, self.tmin[at]), L::splat(token, self.tmax[at]))
     }
 
     /// What the tests of boxes need of as many rays as there are lanes, from index `at` on.
@@ -231,6 +171,98 @@ impl RayBatch {
     #[inline(always)]
     pub(crate) fn many_origins<L: Lanes<Elem = f32>>(&self, token: L::Token, at: usize) -> Vec3<L> {
         load(token, self.o.each_ref(), at)
+    }
+}
+
+impl RayBatch<1> {
+    /// One ray; `None` where it has nothing to find, as one has that is not finite.
+    #[inline(always)]
+    pub(crate) fn of<B: Boxes>(ray: &Ray<f32>) -> Option<Self> {
+        let Interval { tmin, tmax } = Interval::of(ray);
+        let Slabs { inverse, start } = Slabs::new::<B>(ray);
+        let of = |v: Vec3<f32>| v.to_array().map(|x| [x]);
+        let Ray { o, d, .. } = *ray;
+        let ray = Self {
+            lines: [[o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax]],
+            o: of(o),
+            d: of(d),
+            tmin: [tmin],
+            tmax: [tmax],
+            inverse: of(inverse),
+            start: of(start),
+        };
+        // Not so where an end is NaN.
+        (tmin <= tmax).then_some(ray)
+    }
+}
+
+impl<const N: usize> RayBatch<N> {
+    /// A ray.
+    #[inline(always)]
+    pub(crate) fn ray(&self, index: usize) -> Ray<f32> {
+        let at = index % N;
+        Ray {
+            o: Vec3::new(self.o[0][at], self.o[1][at], self.o[2][at]),
+            d: Vec3::new(self.d[0][at], self.d[1][at], self.d[2][at]),
+            tmin: self.tmin[at],
+            tmax: self.tmax[at],
+        }
+    }
+
+    /// All rays, coordinate by coordinate.
+    #[inline(always)]
+    pub(crate) fn rays(&self) -> Ray<&Row<N>> {
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.o, &self.d);
+        let (o, d) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
+        Ray { o, d, tmin: &self.tmin, tmax: &self.tmax }
+    }
+
+    /// A ray whose numbers are stored side by side. Where much is computed with a ray, the compiler gathers its
+    /// numbers from rows, which takes longer than reading them here; where little is, storing them is not worth
+    /// its time.
+    #[inline(always)]
+    pub(crate) fn line(&self, index: usize) -> Ray<f32> {
+        let at = index % N;
+        let [ox, oy, oz, dx, dy, dz, ..] = self.lines[at];
+        let (o, d) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
+        Ray { o, d, tmin: self.tmin[at], tmax: self.tmax[at] }
+    }
+
+    /// Where a ray's interval ends.
+    #[inline(always)]
+    pub(crate) fn tmax(&self, index: usize) -> f32 {
+        self.tmax[index % N]
+    }
+
+    /// Ends a ray's interval at `tmax`.
+    #[inline(always)]
+    pub(crate) fn end(&mut self, index: usize, tmax: f32) {
+        self.tmax[index % N] = tmax;
+    }
+
+    /// The octant of a ray.
+    #[inline(always)]
+    pub(crate) fn octant(&self, index: usize) -> Octant {
+        let at = index % N;
+        Octant::of(Vec3::new(self.inverse[0][at], self.inverse[1][at], self.inverse[2][at]))
+    }
+
+    /// What the tests of boxes of one ray need, in all lanes.
+    #[inline(always)]
+    pub(crate) fn slabs<L: Lanes<Elem = f32>>(&self, token: L::Token, index: usize) -> Slabs<L> {
+        let at = index % N;
+        let of = Slabs {
+            inverse: Vec3::new(self.inverse[0][at], self.inverse[1][at], self.inverse[2][at]),
+            start: Vec3::new(self.start[0][at], self.start[1][at], self.start[2][at]),
+        };
+        Slabs { inverse: splat(token, of.inverse), start: splat(token, of.start) }
+    }
+
+    /// The interval of one ray, in all lanes.
+    #[inline(always)]
+    pub(crate) fn interval<L: Lanes<Elem = f32>>(&self, token: L::Token, index: usize) -> (L, L) {
+        let at = index % N;
+        (L::splat(token, self.tmin[at]), L::splat(token, self.tmax[at]))
     }
 }
 

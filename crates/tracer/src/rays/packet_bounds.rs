@@ -19,7 +19,7 @@ pub(crate) struct Octant([usize; 3]);
 impl Octant {
     /// That of an inverse direction.
     #[inline(always)]
-    fn of(inverse: Vec3<f32>) -> Self {
+    pub(crate) fn of(inverse: Vec3<f32>) -> Self {
         let Vec3 { x, y, z } = inverse;
         Self([usize::from(x < 0.0), usize::from(y < 0.0), usize::from(z < 0.0)])
     }

@@ -52,15 +52,15 @@ impl<'a> Flight<'a, '_> {
         *left &= *left - 1;
         self.waiting.clear();
         self.at = 0;
-        self.visit::<L, Q>(token, rays, root);
+        self.visit::<L, Q, _>(token, rays, root);
         true
     }
 
     #[inline(always)]
-    fn visit<L: Lanes<Elem = f32>, Q: Query>(
+    fn visit<L: Lanes<Elem = f32>, Q: Query, const N: usize>(
         &mut self,
         token: L::Token,
-        rays: &RayBatch,
+        rays: &RayBatch<N>,
         node: &'a Node,
     ) {
         let slabs = rays.slabs::<L>(token, self.ray);
@@ -71,9 +71,14 @@ impl<'a> Flight<'a, '_> {
         self.met = 0;
         let mut lane = 0;
         while lane < WIDTH {
-            let from = node.planes::<L>(token, [0; 3], lane);
-            let to = node.planes::<L>(token, [1; 3], lane);
-            let (from, to) = slabs.cross_either_way::<Q::Boxes>(from, to, interval);
+            let (from, to) = if const { N == 1 } {
+                let (near, far) = rays.octant(self.ray).planes::<L>(token, node, lane);
+                slabs.cross::<Q::Boxes>(near, far, interval)
+            } else {
+                let from = node.planes::<L>(token, [0; 3], lane);
+                let to = node.planes::<L>(token, [1; 3], lane);
+                slabs.cross_either_way::<Q::Boxes>(from, to, interval)
+            };
             self.met |= L::bits(from.le(to)) << lane;
             if !Q::ANY {
                 from.store(&mut self.distances[lane..]);
@@ -84,7 +89,18 @@ impl<'a> Flight<'a, '_> {
 
     /// The child to visit next, the nearest first; `None` where the ray leaves the tree.
     #[inline(always)]
-    fn nearest(&mut self, rays: &RayBatch) -> Option<u32> {
+    fn nearest<const N: usize>(&mut self, rays: &RayBatch<N>) -> Option<u32> {
+        // A ray alone has nothing else to do meanwhile, so it guesses by branches what others wait for.
+        if const { N == 1 } && self.met & self.met.wrapping_sub(1) == 0 {
+            if self.met != 0 {
+                return Some(self.node.children[lowest(self.met)]);
+            }
+            let mut item = self.waiting.pop()?;
+            while stack::distance(item) > rays.tmax(self.ray) {
+                item = self.waiting.pop()?;
+            }
+            return Some(stack::item(item));
+        }
         if self.met & self.met.wrapping_sub(1) != 0 {
             return Some(descend(&mut self.waiting, self.node, self.met, &self.distances));
         }
@@ -104,12 +120,16 @@ impl<'a> Flight<'a, '_> {
     /// The same where any order will do: that of the lanes, see the builder. All children that are left of a node
     /// wait as one item, so that no branch depends on how many there are, which is unpredictable.
     #[inline(always)]
-    fn next(&mut self, nodes: &[Node]) -> Option<u32> {
+    fn next<const N: usize>(&mut self, nodes: &[Node]) -> Option<u32> {
         if self.met == 0 && self.waiting.count() == 0 {
             return None;
         }
         let here = self.met << 32 | self.at as u64;
-        let item = self.waiting.pop_unless(self.met != 0, here);
+        let item = if const { N == 1 } {
+            if self.met != 0 { here } else { self.waiting.pop()? }
+        } else {
+            self.waiting.pop_unless(self.met != 0, here)
+        };
         let (met, at) = (item >> 32, item & u64::from(u32::MAX));
         let rest = met & met.wrapping_sub(1);
         self.waiting.push_if(rest != 0, rest << 32 | at);
@@ -120,21 +140,22 @@ impl<'a> Flight<'a, '_> {
 
     /// Visits a node or a leaf; whether the ray has left the tree.
     #[inline(always)]
-    fn step<A: Target<'a, Q>, L: Lanes<Elem = f32>, Q: Query>(
+    fn step<A: Target<'a, Q, N>, L: Lanes<Elem = f32>, Q: Query, const N: usize>(
         &mut self,
         target: A,
         token: L::Token,
         query: Q,
-        work: &mut Work<A::Hits>,
+        work: &mut Work<A::Hits, N>,
     ) -> bool {
-        let next = if Q::ANY { self.next(&target.tree().nodes) } else { self.nearest(&work.rays) };
+        let next =
+            if Q::ANY { self.next::<N>(&target.tree().nodes) } else { self.nearest(&work.rays) };
         let Some(current) = next else { return true };
         match child(current) {
             Child::Node(at) => {
                 if Q::ANY {
                     self.at = at;
                 }
-                self.visit::<L, Q>(token, &work.rays, &target.tree().nodes[at]);
+                self.visit::<L, Q, _>(token, &work.rays, &target.tree().nodes[at]);
             }
             Child::Leaf(first, count) => {
                 self.met = 0;
@@ -192,6 +213,53 @@ pub(crate) fn singly<'a, A: Target<'a, Q>, L: Lanes<Elem = f32>, Q: Query>(
     }
 }
 
+/// So many children may wait in the room of one ray, where its tree needs no more: seventeen nodes deep, of which
+/// trees of millions of triangles have eleven.
+const ROOM: usize = 128;
+
+/// The same for any tree: builders halve what is below a depth of 48, so none is 145 deep.
+const LARGE_ROOM: usize = 1024;
+
+/// Traces one ray, and writes down what it finds, if it has anything to find. The answer is that of [`singly`], to
+/// the bit.
+#[inline(always)]
+pub(crate) fn one<'a, A: Target<'a, Q, 1, Seed = ()>, L: Lanes<Elem = f32>, Q: Query>(
+    target: A,
+    token: L::Token,
+    query: Q,
+    ray: &Ray<f32>,
+    found: &mut Q::Output,
+) {
+    let tree = target.tree();
+    let root = &tree.nodes[0];
+    let Some(rays) = RayBatch::of::<Q::Boxes>(ray) else { return };
+    let mut flight = Flight {
+        ray: 0,
+        node: root,
+        at: 0,
+        met: 0,
+        distances: [0.0; WIDTH],
+        waiting: Stack::new(&mut []),
+    };
+    flight.visit::<L, Q, _>(token, &rays, root);
+    if flight.met == 0 {
+        return;
+    }
+    let mut work = Work { rays, hits: A::hits(()) };
+    let (mut few, mut many);
+    let room = stack::room(tree.depth);
+    flight.waiting = Stack::new(if room <= ROOM {
+        few = [0; ROOM];
+        &mut few[..]
+    } else {
+        assert!(room <= LARGE_ROOM, "builders bound the depth");
+        many = [0; LARGE_ROOM];
+        &mut many[..]
+    });
+    while !flight.step::<A, L, Q, 1>(target, token, query, &mut work) {}
+    *found = Q::output(&target.finish(&mut work)[0]);
+}
+
 /// Writes down what rays have found.
 #[inline(never)]
 fn give_out<Q: Query>(of_batch: &[Q::Found; RAYS], found: &mut [Q::Output]) {
@@ -224,7 +292,7 @@ fn go<'a, A: Target<'a, Q>, L: Lanes<Elem = f32>, Q: Query>(
             let mut at = 0;
             while count > 0 {
                 let flight = &mut flights[at % IN_FLIGHT];
-                if flight.step::<A, L, Q>(target, token, query, work)
+                if flight.step::<A, L, Q, RAYS>(target, token, query, work)
                     && !flight.launch::<L, Q>(token, &work.rays, root, &mut left)
                 {
                     count -= 1;

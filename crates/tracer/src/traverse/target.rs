@@ -9,24 +9,21 @@ use crate::leaf::erased::LeafTester;
 use crate::query::Query;
 use crate::rays::batch::{RAYS, Work};
 
-/// A tree that rays go through: with a method's test in the loop, or with its leaves behind calls.
-pub(crate) trait Target<'a, Q: Query>: Copy {
+/// A tree that so many rays at a time go through: with a method's test in the loop, or with its leaves behind calls.
+pub(crate) trait Target<'a, Q: Query, const N: usize = RAYS>: Copy {
     /// Whether a loop over single rays reads the numbers of a ray [side by side](crate::rays::batch::RayBatch::line).
     const LINES: bool;
-    /// What is known of the hits of a batch.
+    /// What is known of the hits of these rays.
     type Hits;
     /// What that is made from.
     type Seed;
-    /// What tests leaves for packets.
-    type Packets<L: Lanes<Elem = f32>>: LeafTester<Q::Found>;
-
     /// The nodes.
     fn tree(self) -> &'a WideTree;
 
     /// Nothing is known so far.
     fn hits(seed: Self::Seed) -> Self::Hits;
 
-    /// Begins another batch.
+    /// Begins with other rays.
     fn clear(self, hits: &mut Self::Hits);
 
     /// Tests a leaf for one ray, whose interval ends at its best hit from then on; whether it has hit anything so
@@ -35,13 +32,19 @@ pub(crate) trait Target<'a, Q: Query>: Copy {
         self,
         token: L::Token,
         query: Q,
-        work: &mut Work<Self::Hits>,
+        work: &mut Work<Self::Hits, N>,
         index: usize,
         leaf: Range<usize>,
     ) -> bool;
 
     /// What rays have found that have left the tree.
-    fn finish(self, work: &mut Work<Self::Hits>) -> &[Q::Found; RAYS];
+    fn finish(self, work: &mut Work<Self::Hits, N>) -> &[Q::Found; N];
+}
+
+/// A tree that packets of rays go through as well.
+pub(crate) trait PacketTarget<'a, Q: Query>: Target<'a, Q> {
+    /// What tests leaves for packets.
+    type Packets<L: Lanes<Elem = f32>>: LeafTester<Q::Found>;
 
     /// What tests leaves for packets.
     fn packets<L: Lanes<Elem = f32>>(
@@ -60,7 +63,6 @@ impl<'a, Q: Query<Found: 'a>> Target<'a, Q> for ThroughCalls<'a> {
     const LINES: bool = false;
     type Hits = &'a mut (dyn LeafTester<Q::Found> + 'a);
     type Seed = Self::Hits;
-    type Packets<L: Lanes<Elem = f32>> = Self::Hits;
 
     #[inline(always)]
     fn tree(self) -> &'a WideTree {
@@ -93,6 +95,10 @@ impl<'a, Q: Query<Found: 'a>> Target<'a, Q> for ThroughCalls<'a> {
     fn finish(self, Work { rays, hits }: &mut Work<Self::Hits>) -> &[Q::Found; RAYS] {
         hits.finish(rays)
     }
+}
+
+impl<'a, Q: Query<Found: 'a>> PacketTarget<'a, Q> for ThroughCalls<'a> {
+    type Packets<L: Lanes<Elem = f32>> = Self::Hits;
 
     #[inline(always)]
     fn packets<L: Lanes<Elem = f32>>(

@@ -1,16 +1,16 @@
-//! One batch of rays, one query, and the tree that they go through.
+//! A batch of rays or one ray, one query, and the tree that they go through.
 
 use trisect_core::{Lanes, Ray, Token as _};
 
 use super::packet::in_packets;
-use super::single::singly;
-use super::target::Target;
+use super::single::{one, singly};
+use super::target::{PacketTarget, Target};
 use crate::lanes::Job;
 use crate::query::Query;
 use crate::rays::reorder::Order;
 
 /// A batch of rays to be traced on lanes of choice.
-pub(crate) struct Trace<'a, A: Target<'a, Q>, Q: Query> {
+pub(crate) struct Trace<'a, A: PacketTarget<'a, Q>, Q: Query> {
     pub(crate) target: A,
     pub(crate) seed: A::Seed,
     pub(crate) query: Q,
@@ -19,7 +19,7 @@ pub(crate) struct Trace<'a, A: Target<'a, Q>, Q: Query> {
     pub(crate) found: &'a mut [Q::Output],
 }
 
-impl<'a, A: Target<'a, Q>, Q: Query> Job for Trace<'a, A, Q> {
+impl<'a, A: PacketTarget<'a, Q>, Q: Query> Job for Trace<'a, A, Q> {
     type Output = ();
 
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
@@ -36,5 +36,27 @@ impl<'a, A: Target<'a, Q>, Q: Query> Job for Trace<'a, A, Q> {
         };
         let leaves = &mut target.packets::<L>(token, query, seed);
         in_packets::<_, L, Q>(target.tree(), leaves, token, rays, indices, found);
+    }
+}
+
+/// One ray to be traced on lanes of choice.
+pub(crate) struct TraceOne<'a, A, Q: Query> {
+    pub(crate) target: A,
+    pub(crate) query: Q,
+    pub(crate) ray: &'a Ray<f32>,
+    /// Where what it finds is written, if it has anything to find. Not returned: what is handed on field by field
+    /// and copied as a whole costs as much as visiting a node.
+    pub(crate) found: &'a mut Q::Output,
+}
+
+impl<'a, A: Target<'a, Q, 1, Seed = ()>, Q: Query> Job for TraceOne<'_, A, Q> {
+    type Output = ();
+
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
+        let Self { target, query, ray, found } = self;
+        token.run(
+            #[inline(always)]
+            move || one::<A, L, Q>(target, token, query, ray, found),
+        );
     }
 }

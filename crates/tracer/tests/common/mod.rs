@@ -42,7 +42,7 @@ pub fn tree_by<M: Method>(builder: Builder, triangles: &[Triangle<f32>]) -> Bvh<
 }
 
 /// The tree's answers; any-hit and closest-hit are held to each other, and so are rays that go singly
-/// and those that go together.
+/// and those that go together, and those that are handed over one by one.
 pub fn traced(
     tree: &dyn Tree,
     tracing: Tracing,
@@ -57,6 +57,10 @@ pub fn traced(
         assert_eq!(found.is_some(), *any, "{ray:?}");
     }
     if tracing == Tracing::Single {
+        for ((found, any), ray) in found.iter().zip(&any).zip(rays) {
+            let alone = (tree.closest_hit(culling, ray), tree.any_hit(culling, ray));
+            assert_eq!(alone, (*found, *any), "{ray:?}");
+        }
         let together = traced(tree, Tracing::Packets, culling, rays);
         for ((found, together), ray) in found.iter().zip(&together).zip(rays) {
             let t = |hit: &Option<TriangleHit>| hit.map_or(f32::MAX, |hit| hit.hit.t);

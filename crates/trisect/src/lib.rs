@@ -1,0 +1,29 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod error;
+mod hit;
+mod options;
+mod scene;
+pub mod trees;
+
+pub use error::{SceneError, UpdateError};
+pub use hit::Hit;
+pub use options::SceneOptions;
+pub use scene::{Scene, View};
+
+/// A ray: its origin `o`, its direction `d`, which need not be of unit length, and the interval of `t` that counts,
+/// from 0 to infinity in [`Ray::new`].
+pub type Ray = trisect_core::Ray<f32>;
+/// Three points.
+pub type Triangle = trisect_core::Triangle<f32>;
+
+pub use trisect_core::Vec3;
+pub use trisect_mesh::{MeshError, Note};
+pub use trisect_method::{Culling, Method, UnsuitableMesh};
+pub use trisect_tracer::{Builder, RefitError, Statistics};
+
+/// What a method of one's own is written with: numbers and lanes.
+pub use trisect_core as core;
+/// What a method of one's own is written against: the trait and what families of methods share.
+pub use trisect_method as method;

@@ -1,0 +1,193 @@
+//! A mesh that rays are asked of.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use trisect_core::Vec3;
+use trisect_method::{Culling, Method};
+use trisect_tracer::{Statistics, Tracing, Tree};
+
+use crate::options::corners;
+use crate::{Hit, Note, Ray, SceneError, SceneOptions, Triangle, UpdateError};
+
+/// A mesh that rays are asked of, from any number of threads.
+///
+/// A ray that is not finite, whose direction is zero, or whose interval is empty hits nothing.
+pub struct Scene {
+    pub(crate) tree: Box<dyn Tree>,
+    pub(crate) triangles: Vec<Triangle>,
+    /// The vertices of each triangle; where there are none, it has three of its own.
+    pub(crate) faces: Option<Box<[[u32; 3]]>>,
+    /// How many vertices there are.
+    pub(crate) vertices: usize,
+    pub(crate) notes: Vec<Note>,
+    pub(crate) batches: Tracing,
+}
+
+/// A scene of which some faces are not seen.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    scene: &'a Scene,
+    culling: Culling,
+}
+
+impl Scene {
+    /// A scene of faces, which name their corners among the vertices. It is never wrong: see
+    /// [`SceneOptions::exact`]. [`Scene::options`] has the other methods.
+    ///
+    /// # Errors
+    /// When a face names a vertex that there is not, or one that is not finite, or when there are more than 2²⁷
+    /// faces.
+    pub fn new(vertices: &[[f32; 3]], faces: &[[u32; 3]]) -> Result<Self, SceneError> {
+        Self::options().build(vertices, faces)
+    }
+
+    /// The scene of a file: PLY, OBJ, STL or glTF.
+    ///
+    /// # Errors
+    /// When the file cannot be read, or is not sound: the message names the place and the mend.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        Self::options().open(path)
+    }
+
+    /// A scene of triangles. Those that are not finite, or have no area, are never hit.
+    ///
+    /// # Errors
+    /// When there are more than 2²⁷ triangles.
+    pub fn from_triangles(triangles: &[Triangle]) -> Result<Self, SceneError> {
+        Self::options().from_triangles(triangles)
+    }
+
+    /// A scene of faces whose rays are tested by any method, one of your own among them: as
+    /// [`SceneOptions::with_method`].
+    ///
+    /// # Errors
+    /// As [`Scene::new`], and when the method cannot take the mesh.
+    pub fn with_method<M: Method>(
+        vertices: &[[f32; 3]],
+        faces: &[[u32; 3]],
+    ) -> Result<Self, SceneError> {
+        Self::options().with_method::<M>().build(vertices, faces)
+    }
+
+    /// How a scene is made otherwise.
+    pub fn options() -> SceneOptions {
+        SceneOptions::default()
+    }
+
+    /// The first hit of a ray: that of the smallest `t`; of several at one point, that of the lowest index. Allocates
+    /// nothing.
+    pub fn first(&self, ray: &Ray) -> Option<Hit> {
+        self.seen(Culling::None).first(ray)
+    }
+
+    /// Whether a ray hits anything: faster than [`first`](Scene::first). Allocates nothing.
+    pub fn any(&self, ray: &Ray) -> bool {
+        self.seen(Culling::None).any(ray)
+    }
+
+    /// The first hit of each ray, on the threads of the rayon pool that it is called in.
+    ///
+    /// # Panics
+    /// When there are not as many places as rays.
+    pub fn first_of(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        self.seen(Culling::None).first_of(rays, hits);
+    }
+
+    /// Whether each ray hits anything, on the threads of the rayon pool that it is called in.
+    ///
+    /// # Panics
+    /// When there are not as many places as rays.
+    pub fn any_of(&self, rays: &[Ray], hits: &mut [bool]) {
+        self.seen(Culling::None).any_of(rays, hits);
+    }
+
+    /// The same scene for queries that do not see some faces. The front of a triangle is where its corners run
+    /// counter-clockwise.
+    pub fn seen(&self, culling: Culling) -> View<'_> {
+        View { scene: self, culling }
+    }
+
+    /// Moves the vertices. The tree stays as it is and is fitted to them: quicker than making it anew, but slower
+    /// to trace the further they move relative to each other. Make scenes that move with
+    /// [`SceneOptions::moving`]. Where the scene was not made of faces, its vertices are the corners of its triangles, one
+    /// triangle after another.
+    ///
+    /// # Errors
+    /// When there are not as many vertices as before, when one that a face names is not finite, or when a triangle that
+    /// had no area as the scene was made has one now. The scene is as before then.
+    pub fn update(&mut self, vertices: &[[f32; 3]]) -> Result<(), UpdateError> {
+        let (made, given) = (self.vertices, vertices.len());
+        if made != given {
+            return Err(UpdateError::Count { made, given });
+        }
+        let moved = match &self.faces {
+            Some(faces) => corners(vertices, faces)?,
+            None => {
+                vertices.as_chunks().0.iter().map(|&[a, b, c]| Triangle::new(a, b, c)).collect()
+            }
+        };
+        self.tree.refit(&moved)?;
+        self.triangles = moved;
+        Ok(())
+    }
+
+    /// The triangles, by index.
+    pub fn triangles(&self) -> &[Triangle] {
+        &self.triangles
+    }
+
+    /// What was read otherwise than the file has it.
+    pub fn notes(&self) -> &[Note] {
+        &self.notes
+    }
+
+    /// Facts about the tree: its nodes, its depth, its bytes.
+    pub fn statistics(&self) -> Statistics {
+        self.tree.statistics()
+    }
+
+    pub(crate) fn corners(&self, triangle: u32) -> [Vec3<f64>; 3] {
+        self.triangles[triangle as usize].corners().map(Vec3::from)
+    }
+}
+
+impl View<'_> {
+    /// As [`Scene::first`].
+    pub fn first(&self, ray: &Ray) -> Option<Hit> {
+        self.scene.tree.closest_hit(self.culling, ray).map(Hit::of)
+    }
+
+    /// As [`Scene::any`].
+    pub fn any(&self, ray: &Ray) -> bool {
+        self.scene.tree.any_hit(self.culling, ray)
+    }
+
+    /// As [`Scene::first_of`].
+    ///
+    /// # Panics
+    /// When there are not as many places as rays.
+    pub fn first_of(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "each ray has a place for its hit");
+        let mut found = vec![None; rays.len()];
+        self.scene.tree.closest(self.scene.batches, self.culling, rays, &mut found);
+        let parts = hits.par_chunks_mut(CHUNK).zip(found.par_chunks(CHUNK));
+        parts.for_each(|(hits, found)| {
+            for (hit, found) in hits.iter_mut().zip(found) {
+                *hit = found.map(Hit::of);
+            }
+        });
+    }
+
+    /// As [`Scene::any_of`].
+    ///
+    /// # Panics
+    /// When there are not as many places as rays.
+    pub fn any_of(&self, rays: &[Ray], hits: &mut [bool]) {
+        assert_eq!(rays.len(), hits.len(), "each ray has a place for its answer");
+        self.scene.tree.any(self.scene.batches, self.culling, rays, hits);
+    }
+}
+
+/// Hits that one thread takes down at a time.
+const CHUNK: usize = 1 << 14;

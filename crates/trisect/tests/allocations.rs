@@ -1,0 +1,38 @@
+//! A ray that is asked about alone allocates nothing.
+
+use trisect::{Culling, Scene};
+use trisect_workloads::{Mesh, random_through_box};
+
+#[test]
+fn single_rays_allocate_nothing() {
+    // Without lanes that fuse, rays take the way of batches.
+    if trisect_tracer::fast_lanes().0 < trisect_core::InstructionSet::Avx2 {
+        println!("skipped: this processor has no fast lanes");
+        return;
+    }
+    let bunny = Mesh::bunny();
+    let rays = random_through_box(1, &bunny, 1000).rays;
+    for options in
+        [Scene::options(), Scene::options().fast(), Scene::options().watertight().moving()]
+    {
+        let scene = options.from_triangles(&bunny.triangles).expect("it takes all");
+        for culling in [Culling::None, Culling::Back, Culling::Front] {
+            let view = scene.seen(culling);
+            let mut hits = 0;
+            let counted = allocation_counter::measure(|| {
+                for ray in &rays {
+                    let hit = view.first(ray);
+                    assert_eq!(hit.is_some(), view.any(ray));
+                    hits += usize::from(hit.is_some());
+                }
+            });
+            assert_eq!(counted.count_total, 0, "{culling:?}");
+            assert!(hits > 100);
+        }
+    }
+    // The count counts.
+    assert_eq!(
+        allocation_counter::measure(|| drop(std::hint::black_box(Box::new(1)))).count_total,
+        1
+    );
+}

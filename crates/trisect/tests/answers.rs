@@ -1,0 +1,192 @@
+//! What a scene answers, however it is asked.
+
+use std::thread;
+
+use trisect::{Culling, Hit, Ray, Scene, SceneError, SceneOptions, Triangle, UpdateError, Vec3};
+use trisect_workloads::{Aim, Mesh, Placement, Stress, Surface, primary, random_through_box};
+
+/// The same mesh by every method.
+fn scenes(triangles: &[Triangle]) -> [Scene; 3] {
+    let options: [fn(SceneOptions) -> SceneOptions; 3] =
+        [SceneOptions::exact, SceneOptions::fast, SceneOptions::watertight];
+    options.map(|of| of(Scene::options()).from_triangles(triangles).expect("it takes all"))
+}
+
+/// Bits of all numbers, so that NaN and zeros of both signs are told apart.
+fn bits(hit: Option<Hit>) -> Option<[u32; 5]> {
+    let number = f32::to_bits;
+    hit.map(|Hit { triangle, t, alpha, beta, gamma }| {
+        [triangle, number(t), number(alpha), number(beta), number(gamma)]
+    })
+}
+
+fn agree(triangles: &[Triangle], rays: &[Ray]) {
+    for scene in scenes(triangles) {
+        for culling in [Culling::None, Culling::Back, Culling::Front] {
+            let view = scene.seen(culling);
+            let (mut firsts, mut anys) = (vec![None; rays.len()], vec![false; rays.len()]);
+            view.first_of(rays, &mut firsts);
+            view.any_of(rays, &mut anys);
+            for ((ray, first), any) in rays.iter().zip(firsts).zip(anys) {
+                assert_eq!(bits(view.first(ray)), bits(first), "{culling:?} {ray:?}");
+                assert_eq!(view.any(ray), any, "{culling:?} {ray:?}");
+                assert_eq!(first.is_some(), any, "{culling:?} {ray:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn single_rays_and_batches_agree_on_meshes() {
+    let bunny = Mesh::bunny();
+    let mut rays = primary(&bunny, 24, 24).rays;
+    rays.extend(random_through_box(1, &bunny, 500).rays);
+    agree(&bunny.triangles, &rays);
+}
+
+#[test]
+fn single_rays_and_batches_agree_at_edges_and_vertices() {
+    let placement = Placement::HERE;
+    for surface in [Surface::sphere(2), Surface::cube(3), Surface::square(4)] {
+        let aimed = [Aim::Edges, Aim::Vertices].map(|aim| {
+            let features = surface.features(aim);
+            let rays = features
+                .iter()
+                .step_by(3)
+                .flat_map(|feature| surface.aimed::<f32>(feature, &placement, 1, 4));
+            rays.collect::<Vec<Ray>>()
+        });
+        agree(&surface.triangles(&placement), &aimed.concat());
+    }
+}
+
+/// Rays of random bits, along axes, behind the origin, with empty intervals, and not finite.
+#[test]
+fn single_rays_and_batches_agree_on_rays_of_all_kinds() {
+    let sphere = Surface::sphere(2).triangles::<f32>(&Placement::HERE);
+    let random = Stress::RandomBits.pairs::<f32>(1, 0.0, 1000);
+    let mut rays: Vec<Ray> = random.into_iter().map(|(ray, _)| ray).collect();
+    let inside = Ray::new([0.1, 0.2, 0.3], [1.0, 0.0, -0.0]);
+    rays.extend([
+        inside,
+        inside.with_interval(f32::NEG_INFINITY, 0.0),
+        inside.with_interval(-3.0, f32::INFINITY),
+        inside.with_interval(2.0, 1.0),
+        inside.with_interval(f32::NAN, 1.0),
+        inside.with_interval(0.0, f32::NAN),
+        Ray { d: [0.0, 0.0, 0.0].into(), ..inside },
+        Ray { d: [-0.0, 1e-40, 0.0].into(), ..inside },
+        Ray { o: [f32::NAN, 0.0, 0.0].into(), ..inside },
+        Ray { d: [f32::INFINITY, 0.0, 0.0].into(), ..inside },
+    ]);
+    agree(&sphere, &rays);
+    agree(&[], &rays);
+    for scene in scenes(&sphere) {
+        for nothing in &rays[rays.len() - 7..] {
+            let is_tiny = nothing.d.y == 1e-40;
+            assert!(is_tiny || scene.first(nothing).is_none(), "{nothing:?}");
+        }
+        assert!(scene.first(&inside).is_some_and(|hit| hit.t > 0.0));
+        let behind = inside.with_interval(f32::NEG_INFINITY, 0.0);
+        assert!(scene.first(&behind).is_some_and(|hit| hit.t < 0.0));
+    }
+}
+
+#[test]
+fn many_threads_ask_one_scene() {
+    let bunny = Mesh::bunny();
+    let rays = random_through_box(3, &bunny, 2000).rays;
+    for scene in scenes(&bunny.triangles) {
+        let alone: Vec<_> = rays.iter().map(|ray| bits(scene.first(ray))).collect();
+        let ask = || {
+            assert!(rays.iter().map(|ray| bits(scene.first(ray))).eq(alone.iter().copied()));
+        };
+        thread::scope(|threads| {
+            for _ in 0..4 {
+                threads.spawn(ask);
+            }
+        });
+    }
+}
+
+#[test]
+fn hits_say_where_they_are() {
+    let bunny = Mesh::bunny();
+    let scene = Scene::from_triangles(&bunny.triangles).expect("it takes all");
+    let mut hits = 0;
+    for ray in random_through_box(2, &bunny, 500).rays {
+        let Some(hit) = scene.first(&ray) else { continue };
+        hits += 1;
+        let sum = f64::from(hit.alpha) + f64::from(hit.beta) + f64::from(hit.gamma);
+        assert!((sum - 1.0).abs() < 1e-6 && hit.alpha >= 0.0, "{hit:?}");
+        let (point, along) = (hit.point(&scene), ray.at(hit.t).to_array());
+        let off = point.iter().zip(along).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(off < 1e-5 * bunny.bounds.diagonal(), "{off}: {hit:?}");
+        let normal = hit.normal(&scene);
+        let length = normal.iter().map(|x| x * x).sum::<f32>();
+        assert!((length - 1.0).abs() < 1e-6, "{normal:?}");
+        let facing: f32 = normal.iter().zip(ray.d.to_array()).map(|(n, d)| n * d).sum();
+        // The side that is seen says which way the normal points.
+        let seen = if facing < 0.0 { Culling::Back } else { Culling::Front };
+        assert_eq!(scene.seen(seen).first(&ray), Some(hit), "{ray:?}");
+    }
+    assert!(hits > 100);
+}
+
+#[test]
+fn what_cannot_be_used_is_said() {
+    let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, f32::NAN, 0.0], [0.0, 1.0, 0.0]];
+    let of =
+        |faces: &[[u32; 3]]| Scene::new(&vertices, faces).map(|_| ()).map_err(|e| e.to_string());
+    assert_eq!(of(&[[0, 1, 3]]), Ok(()));
+    assert_eq!(of(&[]), Ok(()));
+    let there_is_not = "face 1 names vertex 4, but there are 4, numbered from 0";
+    assert_eq!(of(&[[0, 1, 3], [0, 4, 1]]), Err(there_is_not.to_owned()));
+    let not_finite = "vertex 2, a corner of face 0, is not finite: [0.0, NaN, 0.0]";
+    assert_eq!(of(&[[0, 1, 2]]), Err(not_finite.to_owned()));
+    let error = Scene::open("nowhere.obj").err().expect("there is no such file");
+    assert!(matches!(error, SceneError::File(_)) && error.to_string().contains("nowhere.obj"));
+}
+
+#[test]
+fn a_scene_is_read_from_a_file() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/scenes/block.obj");
+    let scene = Scene::open(path).expect("it is shipped");
+    assert_eq!(scene.triangles().len(), 12);
+    assert_eq!(scene.statistics().references, 12);
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("line.obj");
+    std::fs::write(&file, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\n").expect("it is writable");
+    let scene = Scene::options().fast().open(file).expect("a sound file");
+    assert!(scene.notes()[0].to_string().contains("lines are left out"));
+}
+
+#[test]
+fn a_scene_that_moves_answers_as_a_new_one() {
+    let vertices = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [5.0, 5.0, 5.0]];
+    let faces = [[0, 1, 2], [0, 2, 3]];
+    let moved = vertices.map(|[x, y, z]| [x + 10.0, y, z - 0.25 * x]);
+    let mut scene = Scene::options().moving().build(&vertices, &faces).expect("sound");
+    scene.update(&moved).expect("as many");
+    let new = Scene::new(&moved, &faces).expect("sound");
+    assert_eq!(scene.triangles(), new.triangles());
+    for x in [0.25, 10.25] {
+        let ray = Ray::new([x, 0.25, 9.0], [0.0, 0.0, -1.0]);
+        assert_eq!(scene.first(&ray), new.first(&ray));
+        assert_eq!(scene.first(&ray).is_some(), x > 1.0);
+    }
+    let error = scene.update(&moved[1..]).expect_err("one is missing");
+    assert!(matches!(error, UpdateError::Count { made: 4, given: 3 }), "{error}");
+    let mut broken = moved;
+    broken[3][0] = f32::INFINITY;
+    let error = scene.update(&broken).expect_err("infinite").to_string();
+    assert_eq!(error, "vertex 3, a corner of face 1, is not finite: [inf, 5.0, 3.75]");
+    // As before where it fails.
+    assert_eq!(scene.triangles(), new.triangles());
+    // Without faces the vertices are corners in order.
+    let mut scene = Scene::from_triangles(new.triangles()).expect("sound");
+    let corners: Vec<[f32; 3]> =
+        new.triangles().iter().flat_map(|t| t.corners()).map(Vec3::to_array).collect();
+    scene.update(&corners).expect("as many");
+    assert_eq!(scene.triangles(), new.triangles());
+}

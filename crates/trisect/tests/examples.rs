@@ -1,0 +1,63 @@
+//! Every example runs, and prints what it answers.
+
+use std::path::Path;
+use std::process::Command;
+
+/// What an example prints, run from the root of the workspace.
+fn printed(name: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let test = std::env::current_exe().expect("this runs");
+    let built = test.parent().and_then(Path::parent).expect("tests are in a folder of their own");
+    let example = built.join("examples").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
+    let output = Command::new(example)
+        .current_dir(root)
+        .output()
+        .expect("`cargo test -p trisect` builds the examples as well");
+    assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("text")
+}
+
+#[test]
+fn first_hit() {
+    let expected = "\
+Hit { triangle: 1, t: 8.5, alpha: 0.5, beta: 0.25, gamma: 0.25 }
+Hit { triangle: 0, t: 8.5, alpha: 0.25, beta: 0.25, gamma: 0.5 }
+nothing
+";
+    assert_eq!(printed("first_hit"), expected);
+}
+
+/// The pages show the program that is tested here.
+#[test]
+fn first_hit_is_on_the_pages() {
+    let program = include_str!("../examples/first_hit.rs");
+    let (_, program) = program.split_once('\n').expect("the first line says what it answers");
+    for page in [include_str!("../README.md"), include_str!("../../../README.md")] {
+        assert!(page.contains(program), "the page shows another program");
+    }
+}
+
+#[test]
+fn shadow_ray() {
+    let expected = "\
+(-3, 0, 0) is lit
+(0, 0, 0) is in shadow
+(0.5, 0, 0) is in shadow
+(3, 0, 0) is lit
+";
+    assert_eq!(printed("shadow_ray"), expected);
+}
+
+#[test]
+fn moving_mesh() {
+    let text = printed("moving_mesh");
+    let heights: Vec<&str> = text.lines().filter_map(|line| line.split(' ').next_back()).collect();
+    assert_eq!(heights.len(), 3);
+    assert!(heights[0] != heights[1] && heights[1] != heights[2], "{text}");
+}
+
+#[test]
+fn own_method() {
+    let expected = "Some(Hit { triangle: 0, t: 1.0, alpha: 0.5, beta: 0.25, gamma: 0.25 })\n";
+    assert_eq!(printed("own_method"), expected);
+}
