@@ -183,14 +183,15 @@ pub(crate) struct Trace {
 }
 
 #[derive(Debug, Args)]
+#[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub(crate) struct Query {
     /// Mesh: PLY, OBJ, STL or glTF
     #[arg(long, value_name = "FILE")]
     pub mesh: PathBuf,
     /// Rays: CSV with the header ox,oy,oz,dx,dy,dz and optionally tmin,tmax; binary .rays; or -
     /// for CSV from standard input
-    #[arg(long, value_name = "FILE")]
-    pub rays: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "contains")]
+    pub rays: Option<PathBuf>,
     /// A method of `trisect list`, or `oracle` for the exact truth, rounded once
     #[arg(long, value_name = "NAME")]
     pub method: String,
@@ -207,8 +208,22 @@ pub(crate) struct Query {
     #[arg(long, default_value = "none")]
     pub cull: Cull,
     /// Any hit instead of the closest: print no more than whether there is one
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["all", "count", "contains"])]
     pub any: bool,
+    /// All hits in order instead of the closest
+    #[arg(long, conflicts_with_all = ["count", "contains"])]
+    pub all: bool,
+    /// How many hits there are, instead of the closest
+    #[arg(long, conflicts_with = "contains")]
+    pub count: bool,
+    /// With --all and --count: of the triangles that share the edge or the corner that a ray meets, one owner instead
+    /// of all; by --method exact alone
+    #[arg(long, conflicts_with = "contains")]
+    pub owned: bool,
+    /// Instead of rays, points: whether each is inside, on or outside the closed surface of the mesh; CSV with
+    /// the header x,y,z, or - for standard input; by --method exact alone
+    #[arg(long, value_name = "POINTS", conflicts_with_all = ["rays", "cull"])]
+    pub contains: Option<PathBuf>,
     /// Test every triangle instead of those that a tree leaves; f64 and --division always do
     #[arg(long)]
     pub brute_force: bool,

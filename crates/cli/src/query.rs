@@ -3,15 +3,16 @@
 use std::io::{self, Write};
 use std::sync::Arc;
 
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context as _, Result, anyhow, bail};
 use rayon::prelude::*;
 use serde::Serialize;
 use trisect_catalog::{Builder, Entry, Finder, Kernels, Tracing, TriangleHit, Variant};
 use trisect_core::{FloatFormat, Hit, Precision, Ray, Scalar as _, Triangle, Vec3};
-use trisect_method::{Culling, Output, UnsuitableMesh};
+use trisect_method::{Culling, Output, Place, UnsuitableMesh};
 use trisect_oracle::{Exact, Oracle};
 use trisect_studies::input;
-use trisect_workloads::{Mesh, RaysFile};
+use trisect_tracer::{AllHits, Crossings};
+use trisect_workloads::{Mesh, RaysFile, read_points};
 
 use crate::arguments::Query;
 use crate::studies::say;
@@ -28,6 +29,22 @@ enum Answer<E> {
     Closest(u32, Hit<E>),
     /// The closest, of a method that gives no barycentrics.
     Bare(u32, E),
+}
+
+/// One hit of several.
+#[derive(Serialize)]
+struct OneHit {
+    triangle: u32,
+    t: f32,
+    /// Not of a method that gives none.
+    #[serde(flatten)]
+    weights: Option<Weights>,
+}
+
+#[derive(Serialize)]
+struct Weights {
+    beta: f32,
+    gamma: f32,
 }
 
 #[derive(Serialize)]
@@ -54,7 +71,31 @@ enum Line<E> {
     },
 }
 
+#[derive(Serialize)]
+struct AllLine {
+    ray: usize,
+    hits: Vec<OneHit>,
+}
+
+#[derive(Serialize)]
+struct CountLine {
+    ray: usize,
+    hits: u32,
+}
+
+#[derive(Serialize)]
+struct PlaceLine {
+    point: usize,
+    place: &'static str,
+}
+
 pub(crate) fn run(arguments: &Query) -> Result<()> {
+    if arguments.owned && !(arguments.all || arguments.count) {
+        bail!("--owned says which hits count; use it with --all or --count");
+    }
+    if let Some(option) = beyond_the_nearest(arguments) {
+        return many(arguments, option);
+    }
     match arguments.precision {
         FloatFormat::F32 => {
             // The tree decides as the form does that decides without quotients.
@@ -63,12 +104,7 @@ pub(crate) fn run(arguments: &Query) -> Result<()> {
                 arguments,
                 |entry| &entry.f32,
                 |file| file.rays_f32,
-                |mesh| {
-                    let mend = "--precision f64 keeps them where they are";
-                    input::say_degenerate(&arguments.mesh, mesh.degenerate, mesh, &say);
-                    input::say_rounding(&arguments.mesh, mesh.rounding(), mend, &say);
-                    Arc::clone(&mesh.triangles)
-                },
+                |mesh| in_f32(arguments, mesh),
                 in_tree.then_some(in_tree_of),
             )
         }
@@ -98,7 +134,7 @@ fn answer<E: Precision + Serialize>(
         Some((entry, kernels, choose(arguments, entry, kernels)?))
     };
     let triangles = triangles(&input::read_mesh(&arguments.mesh, &arguments.reading, &say)?);
-    let rays = rays(reading::load_rays(&arguments.rays, &arguments.reading)?);
+    let rays = rays(load_rays(arguments)?);
     let culling = arguments.cull.into();
     let answers = match finder {
         None => truth(&rays, &triangles, culling, arguments.any),
@@ -122,6 +158,105 @@ fn answer<E: Precision + Serialize>(
     output::print(|out| {
         for (ray, answer) in answers.into_iter().enumerate() {
             answer.print(ray, out)?;
+        }
+        Ok(())
+    })
+}
+
+/// The rays that are asked about.
+fn load_rays(arguments: &Query) -> Result<RaysFile> {
+    let rays = arguments.rays.as_deref().context("no rays; name a file with --rays")?;
+    reading::load_rays(rays, &arguments.reading)
+}
+
+/// The option that asks for more than the nearest hit.
+fn beyond_the_nearest(arguments: &Query) -> Option<&'static str> {
+    let options = [
+        ("--all", arguments.all),
+        ("--count", arguments.count),
+        ("--contains", arguments.contains.is_some()),
+    ];
+    options.into_iter().find_map(|(option, is_given)| is_given.then_some(option))
+}
+
+/// Answers what takes a tree.
+fn many(arguments: &Query, option: &str) -> Result<()> {
+    if arguments.precision == FloatFormat::F64 {
+        bail!("{option} has no f64 yet, as trees have none; leave --precision out");
+    }
+    if arguments.brute_force {
+        bail!("{option} is answered by a tree; leave --brute-force out");
+    }
+    if arguments.division.is_some() {
+        bail!("{option} divides as the tree does; leave --division out");
+    }
+    if arguments.method == ORACLE {
+        bail!("{option} is not answered by the oracle; use --method exact, which decides alike");
+    }
+    let entry = input::method(&arguments.method)?;
+    if !entry.info.claims.exact && (arguments.owned || arguments.contains.is_some()) {
+        let option = if arguments.owned { "--owned" } else { option };
+        bail!(
+            "{} rounds, and {option} takes exact decisions; use --method exact",
+            arguments.method
+        );
+    }
+    let triangles = read_triangles(arguments)?;
+    let build = || {
+        entry
+            .tree(&triangles, Builder::Binned)
+            .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.mesh.display()))
+    };
+    if let Some(points) = &arguments.contains {
+        let points = read_points(points, &(&arguments.reading).into())?;
+        let mut places = vec![Place::Outside; points.len()];
+        build()?.contains_of(&points, &mut places)?;
+        let name = |place| match place {
+            Place::Inside => "inside",
+            Place::On => "on",
+            Place::Outside => "outside",
+        };
+        let lines = places.into_iter().enumerate();
+        return print(lines.map(|(point, place)| PlaceLine { point, place: name(place) }));
+    }
+    let rays = load_rays(arguments)?.rays_f32;
+    let (tracing, culling) = (Tracing::Plain, arguments.cull.into());
+    let crossings = if arguments.owned { Crossings::Owned } else { Crossings::Every };
+    if arguments.count {
+        let mut counts = vec![0; rays.len()];
+        build()?.count_of(tracing, culling, crossings, &rays, &mut counts);
+        return print(counts.into_iter().enumerate().map(|(ray, hits)| CountLine { ray, hits }));
+    }
+    let mut all = AllHits::default();
+    build()?.all_of(tracing, culling, crossings, &rays, &mut all);
+    let weighs = entry.info.gives(Output::Barycentrics);
+    let one = |&TriangleHit { triangle, hit: Hit { t, beta, gamma } }: &TriangleHit| OneHit {
+        triangle,
+        t,
+        weights: weighs.then_some(Weights { beta, gamma }),
+    };
+    print((0..rays.len()).map(|ray| AllLine { ray, hits: all.of(ray).iter().map(one).collect() }))
+}
+
+/// The triangles in f32, and what is lost by that said.
+fn read_triangles(arguments: &Query) -> Result<Arc<[Triangle<f32>]>> {
+    let mesh = input::read_mesh(&arguments.mesh, &arguments.reading, &say)?;
+    Ok(in_f32(arguments, &mesh))
+}
+
+fn in_f32(arguments: &Query, mesh: &Mesh) -> Arc<[Triangle<f32>]> {
+    let mend = "--precision f64 keeps them where they are";
+    input::say_degenerate(&arguments.mesh, mesh.degenerate, mesh, &say);
+    input::say_rounding(&arguments.mesh, mesh.rounding(), mend, &say);
+    Arc::clone(&mesh.triangles)
+}
+
+/// Prints lines of JSON.
+fn print(lines: impl Iterator<Item = impl Serialize>) -> Result<()> {
+    output::print(|out| {
+        for line in lines {
+            serde_json::to_writer(&mut *out, &line)?;
+            out.write_all(b"\n")?;
         }
         Ok(())
     })

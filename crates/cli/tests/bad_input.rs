@@ -220,6 +220,58 @@ fn rays() {
 }
 
 #[test]
+fn points() {
+    let contains = "query --mesh mesh.obj --contains p.csv --method exact";
+    let csv = |content: &str, says| case(contains, says).file("p.csv", content.as_bytes());
+    refused(vec![
+        case(contains, "p.csv: cannot be read (…); check the path"),
+        csv("x,y\n", "p.csv: line 1: the header is `x,y`; write `x,y,z`"),
+        csv(
+            "x,y,z\n0,0\n",
+            "p.csv: line 2: 2 fields, the header names 3; write one for each column",
+        ),
+        csv(
+            "x,y,z\n0,0,inf\n",
+            "p.csv: line 2, z: `inf` is not finite in f32; write a finite decimal number",
+        ),
+    ]);
+}
+
+#[test]
+fn more_than_the_nearest_hit() {
+    refused(vec![
+        case(
+            "query --mesh mesh.obj --rays rays.csv --method wald --all --precision f64",
+            "--all has no f64 yet, as trees have none; leave --precision out",
+        ),
+        case(
+            "query --mesh mesh.obj --rays rays.csv --method wald --count --brute-force",
+            "--count is answered by a tree; leave --brute-force out",
+        ),
+        case(
+            "query --mesh mesh.obj --rays rays.csv --method wald --all --division early",
+            "--all divides as the tree does; leave --division out",
+        ),
+        case(
+            "query --mesh mesh.obj --rays rays.csv --method oracle --all",
+            "--all is not answered by the oracle; use --method exact, which decides alike",
+        ),
+        case(
+            "query --mesh mesh.obj --rays rays.csv --method wald --all --owned",
+            "wald rounds, and --owned takes exact decisions; use --method exact",
+        ),
+        case(
+            "query --mesh mesh.obj --contains rays.csv --method wald",
+            "wald rounds, and --contains takes exact decisions; use --method exact",
+        ),
+        case(
+            "query --mesh mesh.obj --rays rays.csv --method exact --owned",
+            "--owned says which hits count; use it with --all or --count",
+        ),
+    ]);
+}
+
+#[test]
 fn arguments() {
     refused(vec![
         case(

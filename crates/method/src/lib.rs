@@ -8,6 +8,7 @@ mod frame;
 mod info;
 mod method;
 mod needs;
+mod place;
 mod planes;
 mod record;
 mod weights;
@@ -25,6 +26,7 @@ pub use method::{
     UnsuitableMesh,
 };
 pub use needs::{Barycentrics, Distance, Needs, Normal, Occlusion, Point};
+pub use place::Place;
 pub use planes::{Functions, MappedRay, PlaneFirst, Slopes, ThreePlanes};
 pub use record::{Of, Record, Value, field, rows};
 /// For [`record!`].

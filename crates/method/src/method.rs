@@ -264,6 +264,17 @@ pub trait ExactMethod: Method {
         first: &Of<Self::Prepared, X>,
         second: &Of<Self::Prepared, X>,
     ) -> Ordering;
+
+    /// Whether a triangle that a ray hits owns that crossing. Every hit inside a triangle is its own. At an edge or
+    /// a corner the ray is thought of as moved by `ε` along the first axis, `ε²` along the second and `ε³` along
+    /// the third, less than any distance that there is, so that it meets neither: where a surface goes
+    /// through the ray one of the triangles there owns the crossing, and where it turns back none or two do.
+    ///
+    /// H. Edelsbrunner, E. P. Mücke: Simulation of Simplicity. ACM Transactions on Graphics 9(1), 1990.
+    fn owns<X: Scalar>(ray: &Ray<X>, triangle: &Of<Self::Prepared, X>) -> bool;
+
+    /// Whether a point is on the closed triangle.
+    fn is_on<X: Scalar>(point: Vec3<X>, triangle: &Of<Self::Prepared, X>) -> bool;
 }
 
 /// Code in two versions: for a method that rounds, and for one that is exact. [`Method::refine`] calls the one

@@ -156,8 +156,8 @@ pub(crate) fn plain<Q: Query<Found = TriangleHit>>(
 }
 
 /// Asserts that every ray has a place for what it finds.
-pub(crate) fn assert_room<T>(rays: &[Ray<f32>], found: &[T]) {
-    assert!(found.len() >= rays.len(), "every ray has a place for what it finds");
+pub(crate) fn assert_room<I, T>(asked: &[I], found: &[T]) {
+    assert!(found.len() >= asked.len(), "every ray has a place for what it finds");
 }
 
 /// Traces rays on fast lanes through leaves that are behind calls, by the one query or the other.

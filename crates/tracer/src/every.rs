@@ -2,10 +2,10 @@
 
 use std::cmp::Ordering;
 
-use trisect_core::{Hit, Ray, Triangle};
+use trisect_core::{Hit, Ray, Triangle, Vec3};
 use trisect_kernels::{PreparedTriangles, Tested, one_ray};
 use trisect_method::{
-    Culling, Deferred, Division, Early, ExactMethod, Method, Of, Refine, TrueDivision,
+    Culling, Deferred, Division, Early, ExactMethod, Method, Of, Place, Refine, TrueDivision,
     UnsuitableMesh,
 };
 
@@ -14,6 +14,7 @@ use crate::bvh::builders::settings::Builder;
 use crate::bvh::wide::Statistics;
 use crate::dispatch::{Tracing, assert_room};
 use crate::hit::TriangleHit;
+use crate::hits::{Crossings, NotExact, Verdict};
 use crate::traverse::inspect::Counted;
 use crate::tree::Tree;
 
@@ -33,6 +34,16 @@ impl<M: Method> EveryTriangle<M> {
     /// When there are more than `u32::MAX − 1` triangles.
     pub fn new(triangles: &[Triangle<f32>]) -> Result<Self, UnsuitableMesh> {
         Ok(Self { triangles: PreparedTriangles::new(triangles)?, count: triangles.len() })
+    }
+
+    fn all_of_ray(
+        &self,
+        culling: Culling,
+        crossings: Crossings,
+        ray: &Ray<f32>,
+    ) -> Vec<TriangleHit> {
+        let hits = Closest { triangles: &self.triangles, culling, ray };
+        M::refine(All { hits, crossings })
     }
 
     fn closest_of(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
@@ -114,6 +125,74 @@ impl<M: Method> Refine<M> for Closest<'_, M> {
     }
 }
 
+/// All hits of a ray, in order.
+struct All<'a, M: Method> {
+    hits: Closest<'a, M>,
+    crossings: Crossings,
+}
+
+impl<M: Method> Refine<M> for All<'_, M> {
+    type Output = Vec<TriangleHit>;
+
+    fn rounded(self) -> Vec<TriangleHit> {
+        let mut all = vec![];
+        self.hits.each(
+            #[inline(always)]
+            |_, hit| all.push(hit),
+        );
+        all.sort_by(|a, b| a.order_by_t(b).then(a.triangle.cmp(&b.triangle)));
+        all
+    }
+
+    fn exact(self) -> Vec<TriangleHit>
+    where
+        M: ExactMethod,
+    {
+        let ray = self.hits.ray;
+        let mut all = vec![];
+        self.hits.each(
+            #[inline(always)]
+            |triangle, hit| {
+                if self.crossings == Crossings::Every || M::owns(ray, triangle) {
+                    all.push((*triangle, hit));
+                }
+            },
+        );
+        all.sort_by(|(a, of_a), (b, of_b)| {
+            M::order(ray, a, b).then(of_a.triangle.cmp(&of_b.triangle))
+        });
+        all.into_iter().map(|(_, hit)| hit).collect()
+    }
+}
+
+/// Where a point is.
+struct Locate<'a, M: Method> {
+    of: &'a EveryTriangle<M>,
+    point: Vec3<f32>,
+}
+
+impl<M: Method> Refine<M> for Locate<'_, M> {
+    type Output = Result<Place, NotExact>;
+
+    fn rounded(self) -> Self::Output {
+        Err(NotExact)
+    }
+
+    fn exact(self) -> Self::Output
+    where
+        M: ExactMethod,
+    {
+        let Self { of, point } = self;
+        if (0..of.count).any(|place| M::is_on(point, of.triangles.prepared(place))) {
+            return Ok(Place::On);
+        }
+        let d = Vec3::new(0.0, 0.0, 4.0);
+        let up = Ray { o: point, d, tmin: 0.0, tmax: f32::INFINITY };
+        let is_inside = of.all_of_ray(Culling::None, Crossings::Owned, &up).len() % 2 == 1;
+        Ok(if is_inside { Place::Inside } else { Place::Outside })
+    }
+}
+
 impl<M: Method> Tree for EveryTriangle<M> {
     fn closest(
         &self,
@@ -135,7 +214,40 @@ impl<M: Method> Tree for EveryTriangle<M> {
         }
     }
 
-    fn count(&self, ray: &Ray<f32>) -> Counted {
+    fn all(
+        &self,
+        _: Tracing,
+        culling: Culling,
+        crossings: Crossings,
+        ray: &Ray<f32>,
+        hits: &mut Vec<TriangleHit>,
+    ) {
+        hits.clear();
+        hits.extend(self.all_of_ray(culling, crossings, ray));
+    }
+
+    fn count(&self, _: Tracing, culling: Culling, crossings: Crossings, ray: &Ray<f32>) -> u32 {
+        #[allow(clippy::cast_possible_truncation, reason = "there are fewer triangles")]
+        let count = self.all_of_ray(culling, crossings, ray).len() as u32;
+        count
+    }
+
+    fn filtered(
+        &self,
+        _: Tracing,
+        culling: Culling,
+        ray: &Ray<f32>,
+        program: &mut dyn FnMut(&TriangleHit) -> Verdict,
+    ) -> Option<TriangleHit> {
+        let all = self.all_of_ray(culling, Crossings::Every, ray);
+        all.into_iter().find(|hit| program(hit) != Verdict::Ignore)
+    }
+
+    fn contains(&self, point: Vec3<f32>) -> Result<Place, NotExact> {
+        M::refine(Locate { of: self, point })
+    }
+
+    fn inspect(&self, ray: &Ray<f32>) -> Counted {
         Counted { found: self.closest_of(Culling::None, ray), nodes: 0, triangles: self.count }
     }
 

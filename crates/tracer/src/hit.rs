@@ -25,6 +25,11 @@ impl TriangleHit {
         self.triangle != Self::NONE.triangle
     }
 
+    /// The order of two hits by `t`, which neither is NaN.
+    pub(crate) fn order_by_t(&self, other: &Self) -> Ordering {
+        self.hit.t.partial_cmp(&other.hit.t).unwrap_or(Ordering::Equal)
+    }
+
     /// Takes another hit if it is nearer, or as near and of a lower id. That is unpredictable, so it does not
     /// branch.
     #[allow(clippy::needless_bitwise_bool, reason = "`||` may branch")]

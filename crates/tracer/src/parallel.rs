@@ -30,7 +30,7 @@ pub(crate) fn both<X: Send>(
 }
 
 /// So many items at least are one part of the work.
-const PART: usize = 1024;
+pub(crate) const PART: usize = 1024;
 
 /// The result for each input, in order.
 pub(crate) fn each<T: Sync, X: Copy + Send>(
@@ -39,14 +39,23 @@ pub(crate) fn each<T: Sync, X: Copy + Send>(
     of: impl Fn(&T) -> X + Sync,
 ) -> Vec<X> {
     let mut outputs = vec![nothing; inputs.len()];
+    fill(inputs, &mut outputs, |_, input| of(input));
+    outputs
+}
+
+/// Computes the output for each input and its index, in the same place.
+pub(crate) fn fill<T: Sync, X: Send>(
+    inputs: &[T],
+    outputs: &mut [X],
+    of: impl Fn(usize, &T) -> X + Sync,
+) {
     let of = &of;
-    let parts = inputs.chunks(PART).zip(outputs.chunks_mut(PART));
-    all(parts.map(|(inputs, outputs)| -> Task<'_> {
+    let parts = inputs.chunks(PART).zip(outputs.chunks_mut(PART)).enumerate();
+    all(parts.map(|(part, (inputs, outputs))| -> Task<'_> {
         Box::new(move || {
-            for (input, output) in inputs.iter().zip(outputs) {
-                *output = of(input);
+            for (at, (input, output)) in inputs.iter().zip(outputs).enumerate() {
+                *output = of(part * PART + at, input);
             }
         })
     }));
-    outputs
 }

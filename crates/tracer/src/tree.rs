@@ -3,17 +3,19 @@
 use std::marker::PhantomData;
 use std::slice::{from_mut, from_ref};
 
-use trisect_core::{Ray, Triangle};
-use trisect_method::{Culling, Method, UnsuitableMesh};
+use trisect_core::{Ray, Triangle, Vec3};
+use trisect_method::{Culling, Method, Place, UnsuitableMesh};
 
 use crate::bvh::builders::members::Kinds;
 use crate::bvh::builders::settings::{Builder, Leaves};
 use crate::bvh::builders::{self, RefitError};
 use crate::bvh::wide::Statistics;
-use crate::dispatch::{self, Traced, Tracing};
+use crate::dispatch::{self, Traced, Tracing, assert_room};
 use crate::hit::TriangleHit;
+use crate::hits::{AllHits, Crossings, NotExact, Source, Verdict, all_of, lanes_of};
 use crate::lanes::PlainLanes;
 use crate::leaf::blocks::Blocks;
+use crate::parallel::fill;
 use crate::query::HasClosest;
 use crate::traced;
 use crate::traverse::inspect::{self, Counted};
@@ -55,9 +57,124 @@ pub trait Tree: Send + Sync {
         found
     }
 
-    /// A ray's closest hit, and how many tests it takes to find it, one box and one triangle at a time.
-    /// The hit is that of [`Tracing::Plain`].
-    fn count(&self, ray: &Ray<f32>) -> Counted;
+    /// All hits of a ray, by `t`, then by id: every triangle once. An exact method orders them by their true `t`, however
+    /// near they are to each other. `hits` is cleared before; nothing is allocated once it has room.
+    ///
+    /// No hit is lost, however the ray is traced; [`Tracing::Packets`] stands for [`Tracing::Single`] here.
+    fn all(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        crossings: Crossings,
+        ray: &Ray<f32>,
+        hits: &mut Vec<TriangleHit>,
+    );
+
+    /// How many hits [`all`](Tree::all) finds, without storing or sorting them.
+    fn count(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        crossings: Crossings,
+        ray: &Ray<f32>,
+    ) -> u32;
+
+    /// The closest hit that a program accepts. It is offered hits in no particular order, and some more than once where
+    /// space was split, but none behind one that it has accepted.
+    fn filtered(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        ray: &Ray<f32>,
+        program: &mut dyn FnMut(&TriangleHit) -> Verdict,
+    ) -> Option<TriangleHit>;
+
+    /// Where a point is with respect to the solid that the triangles bound: exactly so, on any input that is finite,
+    /// in the tree. A ray goes up from the point, along the last axis, and the crossings that triangles
+    /// [own](Crossings::Owned) are counted: inside is what is enclosed an odd number of times, so that a surface
+    /// in another one bounds a cavity. Which way triangles face plays no part. Where the surface is not closed
+    /// that number says what is above the point, and no more. A point that is not finite is outside.
+    ///
+    /// # Errors
+    /// When the method is not exact.
+    fn contains(&self, point: Vec3<f32>) -> Result<Place, NotExact>;
+
+    /// The closest hit, one triangle left out: the one that a ray starts from.
+    fn closest_but(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        ray: &Ray<f32>,
+        triangle: u32,
+    ) -> Option<TriangleHit> {
+        self.filtered(tracing, culling, ray, &mut |hit| {
+            if hit.triangle == triangle { Verdict::Ignore } else { Verdict::Accept }
+        })
+    }
+
+    /// [`all`](Tree::all) of each ray, on the threads of the pool that it is called in.
+    fn all_of(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        crossings: Crossings,
+        rays: &[Ray<f32>],
+        hits: &mut AllHits,
+    ) {
+        all_of(&|ray, hits| self.all(tracing, culling, crossings, ray, hits), rays, hits);
+    }
+
+    /// [`count`](Tree::count) of each ray, on the threads of the pool that it is called in.
+    ///
+    /// # Panics
+    /// When there are fewer places in `counts` than rays.
+    fn count_of(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        crossings: Crossings,
+        rays: &[Ray<f32>],
+        counts: &mut [u32],
+    ) {
+        each(&|_, ray| self.count(tracing, culling, crossings, ray), rays, counts);
+    }
+
+    /// [`filtered`](Tree::filtered) of each ray, on the threads of the pool that it is called in. The program gets
+    /// the index of the ray as well.
+    ///
+    /// # Panics
+    /// When there are fewer places in `found` than rays.
+    fn filtered_of(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        program: &(dyn Fn(usize, &TriangleHit) -> Verdict + Sync),
+        found: &mut [Option<TriangleHit>],
+    ) {
+        let of = |index: usize, ray: &Ray<f32>| {
+            self.filtered(tracing, culling, ray, &mut |hit| program(index, hit))
+        };
+        each(&of, rays, found);
+    }
+
+    /// [`contains`](Tree::contains) of each point, on the threads of the pool that it is called in.
+    ///
+    /// # Errors
+    /// When the method is not exact.
+    ///
+    /// # Panics
+    /// When there are fewer places in `places` than points.
+    fn contains_of(&self, points: &[Vec3<f32>], places: &mut [Place]) -> Result<(), NotExact> {
+        // Whether the method is exact does not depend on the point.
+        self.contains(Vec3::new(f32::NAN, f32::NAN, f32::NAN))?;
+        each(&|_, point| self.contains(*point).unwrap_or(Place::Outside), points, places);
+        Ok(())
+    }
+
+    /// A ray's closest hit, and how many tests it takes to find it, eight boxes and one triangle at a time. The hit is that
+    /// of [`Tracing::Plain`].
+    fn inspect(&self, ray: &Ray<f32>) -> Counted;
 
     /// Visits the triangles that a ray may hit, near ones first and some of them several times: `visit` gets the
     /// id of one, and says where the ray's interval ends from then on. None that the ray truly hits before
@@ -180,6 +297,12 @@ impl<M: Method> ScalarBvh<M> {
     }
 }
 
+/// Computes what is asked of each ray or point, on the threads of the pool that it is called in.
+fn each<I: Sync, X: Send>(of: &(dyn Fn(usize, &I) -> X + Sync), inputs: &[I], found: &mut [X]) {
+    assert_room(inputs, found);
+    fill(inputs, found, of);
+}
+
 /// Builds a tree.
 fn traced<M: Method, const IN_LOOP: bool>(
     triangles: &[Triangle<f32>],
@@ -205,8 +328,8 @@ fn refit(traced: &mut dyn Traced, triangles: &[Triangle<f32>]) -> Result<(), Ref
 /// What all trees do alike.
 macro_rules! inspections {
     () => {
-        fn count(&self, ray: &Ray<f32>) -> Counted {
-            inspect::count(self.traced.tree(), self.traced.leaves(), ray)
+        fn inspect(&self, ray: &Ray<f32>) -> Counted {
+            inspect::inspect(self.traced.tree(), self.traced.leaves(), ray)
         }
 
         fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32) {
@@ -242,6 +365,51 @@ macro_rules! queries {
     };
 }
 
+/// Queries for more than the nearest hit, on the lanes of a way of tracing.
+macro_rules! hits {
+    ($lanes:expr) => {
+        fn all(
+            &self,
+            tracing: Tracing,
+            culling: Culling,
+            crossings: Crossings,
+            ray: &Ray<f32>,
+            hits: &mut Vec<TriangleHit>,
+        ) {
+            let traced = &*self.traced;
+            Source { traced, lanes: $lanes(tracing), culling, crossings }.all(ray, hits);
+        }
+
+        fn count(
+            &self,
+            tracing: Tracing,
+            culling: Culling,
+            crossings: Crossings,
+            ray: &Ray<f32>,
+        ) -> u32 {
+            let traced = &*self.traced;
+            Source { traced, lanes: $lanes(tracing), culling, crossings }.count(ray)
+        }
+
+        fn filtered(
+            &self,
+            tracing: Tracing,
+            culling: Culling,
+            ray: &Ray<f32>,
+            program: &mut dyn FnMut(&TriangleHit) -> Verdict,
+        ) -> Option<TriangleHit> {
+            let (traced, crossings) = (&*self.traced, Crossings::Every);
+            Source { traced, lanes: $lanes(tracing), culling, crossings }.filtered(ray, program)
+        }
+
+        fn contains(&self, point: Vec3<f32>) -> Result<Place, NotExact> {
+            let (traced, lanes) = (&*self.traced, $lanes(Tracing::Single));
+            let (culling, crossings) = (Culling::None, Crossings::Owned);
+            Source { traced, lanes, culling, crossings }.place(point)
+        }
+    };
+}
+
 impl<M: Method> Tree for Bvh<M> {
     fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
         dispatch::closest_hit(&*self.traced, culling, ray)
@@ -252,11 +420,13 @@ impl<M: Method> Tree for Bvh<M> {
     }
 
     queries!();
+    hits!(lanes_of);
     inspections!();
 }
 
 impl Tree for ErasedBvh {
     queries!();
+    hits!(lanes_of);
     inspections!();
 }
 
@@ -276,5 +446,6 @@ impl<M: Method> Tree for ScalarBvh<M> {
         dispatch::plain(&*self.traced, HasClosest, PlainLanes::Scalar, culling, rays, found);
     }
 
+    hits!(|_| Some(PlainLanes::Scalar));
     inspections!();
 }

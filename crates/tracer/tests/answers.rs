@@ -50,7 +50,7 @@ fn behind_a_call_one_at_a_time_and_without_a_tree_the_answers_are_the_same() {
             }
         }
         for ray in rays {
-            assert_eq!(erased.count(ray), in_loop.count(ray));
+            assert_eq!(erased.inspect(ray), in_loop.inspect(ray));
         }
         assert_eq!(erased.statistics(), in_loop.statistics());
     }

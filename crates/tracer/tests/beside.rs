@@ -17,12 +17,12 @@ use trisect_watertight::Watertight;
 
 /// Whether testing the triangle finds a hit, and whether tracing plainly does.
 fn found<M: Method>(triangle: Triangle<f32>, ray: &Ray<f32>) -> (bool, bool) {
-    let all = EveryTriangle::<M>::new(&[triangle]).expect("it takes all").count(ray).found;
+    let all = EveryTriangle::<M>::new(&[triangle]).expect("it takes all").inspect(ray).found;
     let mut plain = [None];
     let tree = tree_by::<M>(Builder::Spatial, &[triangle]);
     tree.closest(Tracing::Plain, Culling::None, &[*ray], &mut plain);
     assert!(plain[0].is_none() || plain[0] == all, "what is found is the same to the bit");
-    assert_eq!(tree.count(ray).found, plain[0]);
+    assert_eq!(tree.inspect(ray).found, plain[0]);
     (all.is_some(), plain[0].is_some())
 }
 

@@ -20,7 +20,7 @@ fn counting_changes_no_answer_and_a_tree_saves_tests() {
         let all = brute_force::<M>(&mesh.triangles, &rays, Culling::None);
         for builder in [Builder::Linear, Builder::Binned, Builder::Spatial] {
             let tree = tree_by::<M>(builder, &mesh.triangles);
-            let counted: Vec<Counted> = rays.iter().map(|ray| tree.count(ray)).collect();
+            let counted: Vec<Counted> = rays.iter().map(|ray| tree.inspect(ray)).collect();
             let found: Vec<_> = counted.iter().map(|counted| counted.found).collect();
             assert_eq!(found, all, "{builder}");
             assert_eq!(found, traced(&tree, Tracing::Plain, Culling::None, &rays), "{builder}");
@@ -50,18 +50,18 @@ fn counts_are_those_counted_by_hand() {
         .collect();
     let ray = |x: f32| Ray::<f32>::new([x, 0.25, 1.0], [0.0, 0.0, -1.0]);
     let every = EveryTriangle::<MollerTrumbore>::new(&stack).expect("it takes all");
-    let (hit, miss) = (every.count(&ray(0.25)), every.count(&ray(9.0)));
+    let (hit, miss) = (every.inspect(&ray(0.25)), every.inspect(&ray(9.0)));
     assert_eq!((hit.nodes, hit.triangles, hit.found.map(|hit| hit.triangle)), (0, 11, Some(10)));
     assert_eq!(miss, Counted { triangles: 11, ..Counted::default() });
     for count in [1, 8, 11] {
         let tree = tree_by::<MollerTrumbore>(Builder::Binned, &stack[..count]);
-        let (hit, miss) = (tree.count(&ray(0.25)), tree.count(&ray(9.0)));
+        let (hit, miss) = (tree.inspect(&ray(0.25)), tree.inspect(&ray(9.0)));
         assert_eq!(hit.found.map(|hit| hit.triangle as usize), Some(count - 1));
         assert_eq!((hit.nodes, miss), (1, Counted { nodes: 1, ..Counted::default() }));
         assert!(hit.triangles <= count, "{hit:?}");
     }
     let tree = tree_by::<MollerTrumbore>(Builder::Binned, &stack[..1]);
-    assert_eq!(tree.count(&ray(0.25)).triangles, 1);
+    assert_eq!(tree.inspect(&ray(0.25)).triangles, 1);
 }
 
 /// Counted, traced plainly and without a tree, the answer is one, whatever the numbers: infinite ends of intervals
@@ -70,14 +70,15 @@ fn counts_are_those_counted_by_hand() {
 fn counting_decides_as_tracing_does_whatever_the_numbers() {
     fn check<M: Method>(triangles: &[Triangle<f32>], ray: &Ray<f32>) -> bool {
         let tree = tree_by::<M>(Builder::Binned, triangles);
-        let counted = tree.count(ray).found;
+        let counted = tree.inspect(ray).found;
         let mut plain = [None];
         tree.closest(Tracing::Plain, Culling::None, &[*ray], &mut plain);
         assert_eq!(counted, plain[0], "{}: {ray:?} {triangles:?}", M::INFO.name);
         let is_finite = |found: trisect_tracer::TriangleHit| found.hit.t.is_finite();
         assert!(counted.is_none_or(is_finite), "{}: {ray:?} {triangles:?}", M::INFO.name);
         if M::INFO.claims.exact {
-            let every = EveryTriangle::<M>::new(triangles).expect("it takes all").count(ray).found;
+            let every =
+                EveryTriangle::<M>::new(triangles).expect("it takes all").inspect(ray).found;
             assert_eq!(counted, every, "{ray:?} {triangles:?}");
             let truth = Oracle::default().closest(ray, triangles).map(|(_, truth)| truth.hit);
             let t = |hit: trisect_core::Hit<f32>| hit.t + 0.0;

@@ -98,7 +98,7 @@ fn none_is_lost<M: Method>(triangles: &[Triangle<f32>], rays: &[Ray<f32>]) {
             if culling != Culling::None {
                 continue;
             }
-            let counted = rays.iter().map(|ray| tree.count(ray).found.is_some());
+            let counted = rays.iter().map(|ray| tree.inspect(ray).found.is_some());
             is_kept(&format!("{name}, counted"), &counted.collect::<Vec<bool>>());
             let candidates = rays.iter().zip(&all).map(|(ray, hit)| {
                 let mut is_among = false;

@@ -47,7 +47,7 @@ struct Nearest<T> {
 fn trace(stage: &Stage, ray: Ray<f32>) -> (Cost, Option<Nearest<f32>>) {
     let (mut cost, mut best, mut tmax) = (Cost::default(), None, ray.tmax);
     for (place, Sight { tree, ray, .. }) in stage.sights(ray).enumerate() {
-        let counted = tree.count(&Ray { tmax, ..ray });
+        let counted = tree.inspect(&Ray { tmax, ..ray });
         cost.nodes += counted.nodes;
         cost.triangles += counted.triangles;
         if let Some(TriangleHit { triangle, hit }) = counted.found
@@ -141,10 +141,11 @@ mod tests {
     use std::cell::RefCell;
 
     use trisect_catalog::{Builder, find};
-    use trisect_method::Culling;
+    use trisect_core::Vec3;
+    use trisect_method::{Culling, Place};
     use trisect_render::Settings;
     use trisect_scene::Scene;
-    use trisect_tracer::{Counted, RefitError, Statistics, Tracing, Tree};
+    use trisect_tracer::{Counted, Crossings, NotExact, RefitError, Statistics, Tracing, Tree};
 
     use super::*;
 
@@ -156,13 +157,38 @@ mod tests {
 
     impl Tree for Told {
         fn closest(&self, _: Tracing, _: Culling, _: &[Ray<f32>], _: &mut [Option<TriangleHit>]) {
-            unreachable!("rays are counted here");
+            unreachable!("rays are inspected here");
         }
         fn any(&self, _: Tracing, _: Culling, _: &[Ray<f32>], _: &mut [bool]) {
-            unreachable!("rays are counted here");
+            unreachable!("rays are inspected here");
         }
-        fn count(&self, ray: &Ray<f32>) -> Counted {
-            let counted = self.0.count(ray);
+        fn all(
+            &self,
+            _: Tracing,
+            _: Culling,
+            _: Crossings,
+            _: &Ray<f32>,
+            _: &mut Vec<TriangleHit>,
+        ) {
+            unreachable!("rays are inspected here");
+        }
+        fn count(&self, _: Tracing, _: Culling, _: Crossings, _: &Ray<f32>) -> u32 {
+            unreachable!("rays are inspected here");
+        }
+        fn filtered(
+            &self,
+            _: Tracing,
+            _: Culling,
+            _: &Ray<f32>,
+            _: &mut dyn FnMut(&TriangleHit) -> trisect_tracer::Verdict,
+        ) -> Option<TriangleHit> {
+            unreachable!("rays are inspected here");
+        }
+        fn contains(&self, _: Vec3<f32>) -> Result<Place, NotExact> {
+            unreachable!("rays are inspected here");
+        }
+        fn inspect(&self, ray: &Ray<f32>) -> Counted {
+            let counted = self.0.inspect(ray);
             Counted { found: self.1(counted.found), ..counted }
         }
         fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32) {

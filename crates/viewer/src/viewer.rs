@@ -220,7 +220,7 @@ impl Viewer {
     fn find_pivot(&mut self) {
         let settings = Settings { camera: self.camera, ..Settings::new([1, 1]) };
         let ray = self.stage.primary(&settings, [0, 0]);
-        let found = self.stage.sights(ray).filter_map(|sight| sight.tree.count(&sight.ray).found);
+        let found = self.stage.sights(ray).filter_map(|sight| sight.tree.inspect(&sight.ray).found);
         let nearest = found.map(|found| found.hit.t).fold(ray.tmax, f32::min) * self.stage.unit();
         // Where there is nothing, as far as the scene is.
         let scene = self.stage.scene();

@@ -50,21 +50,22 @@ pub enum RaysProblem {
     #[error("unknown file type; known are .csv and .rays")]
     UnknownType,
     /// A line is not CSV.
-    #[error("line {line}: {what}; write one ray of comma-separated numbers a line")]
+    #[error("line {line}: {what}; write one {item} of comma-separated numbers a line")]
     Malformed {
+        /// What a line is.
+        item: &'static str,
         /// The line, from 1.
         line: u64,
         /// What is wrong there.
         what: String,
     },
     /// The first line does not name the columns.
-    #[error(
-        "line 1: the header is `{found}`; write `ox,oy,oz,dx,dy,dz`, and `tmin`, `tmax` after it \
-         where they are wanted"
-    )]
+    #[error("line 1: the header is `{found}`; write {wanted}")]
     Header {
         /// The header of the file.
         found: String,
+        /// What it may be.
+        wanted: &'static str,
     },
     /// A line has too few or too many fields.
     #[error("line {line}: {found} fields, the header names {expected}; write one for each column")]
@@ -105,8 +106,30 @@ pub enum RaysProblem {
     TooMany(usize),
 }
 
-/// The columns, in the order of the CSV.
-const COLUMNS: [&str; 8] = ["ox", "oy", "oz", "dx", "dy", "dz", "tmin", "tmax"];
+/// A table of numbers.
+pub(crate) struct Table {
+    /// What a line is.
+    pub(crate) item: &'static str,
+    /// The columns, in the order of the CSV.
+    pub(crate) columns: &'static [&'static str],
+    /// So many of them must be there, and their numbers be finite.
+    pub(crate) finite: usize,
+    /// What the header may be.
+    pub(crate) header: &'static str,
+    /// Bytes of an item in memory.
+    pub(crate) bytes: u64,
+}
+
+/// The table of rays.
+const RAYS: Table = Table {
+    item: "ray",
+    columns: &["ox", "oy", "oz", "dx", "dy", "dz", "tmin", "tmax"],
+    finite: 6,
+    header: "`ox,oy,oz,dx,dy,dz`, and `tmin`, `tmax` after it where they are wanted",
+    bytes: (size_of::<Ray<f64>>() + size_of::<Ray<f32>>()) as u64,
+};
+/// The most columns of a table.
+const MOST: usize = 8;
 /// The columns' numbers, in the order of the binary format.
 const BINARY_ORDER: [usize; 8] = [0, 1, 2, 6, 3, 4, 5, 7];
 /// Bytes of a ray in the binary format.
@@ -166,10 +189,28 @@ pub fn read_rays_csv_with(
         .map_err(|problem| RaysError { file: name.to_owned(), problem })
 }
 
-/// Bytes of a ray in memory, in both precisions.
-const OF_RAY: u64 = (size_of::<Ray<f64>>() + size_of::<Ray<f32>>()) as u64;
-
 fn parse_csv(bytes: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProblem> {
+    let mut file = RaysFile::default();
+    parse_table(&RAYS, bytes, reading, &mut |mut wide, mut narrow, named| {
+        // Left out.
+        if !named.contains(&7) {
+            (wide[7], narrow[7]) = (f64::INFINITY, f32::INFINITY);
+        }
+        file.rays.push(ray(wide));
+        file.rays_f32.push(ray(narrow));
+    })?;
+    Ok(file)
+}
+
+/// Takes the numbers of a line in both precisions, and the columns that are named: the others are zero.
+type Row<'a> = &'a mut dyn FnMut([f64; MOST], [f32; MOST], &[usize]);
+
+pub(crate) fn parse_table(
+    table: &Table,
+    bytes: &[u8],
+    reading: &mut Reading,
+    row: Row<'_>,
+) -> Result<(), RaysProblem> {
     let mut text = reading.decode(bytes)?;
     // The lines that the library counts end with LF.
     if text.contains('\r') && !text.contains('\n') {
@@ -183,18 +224,20 @@ fn parse_csv(bytes: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProble
         .comment(Some(b'#'))
         .from_reader(text.as_bytes());
     let mut record = csv::StringRecord::new();
-    let mut file = RaysFile::default();
+    let csv_problem = |error| csv_problem(table.item, error);
     // The library leaves quotation marks that follow a space.
     let header = if csv.read_record(&mut record).map_err(csv_problem)? {
         record.iter().map(|name| unquoted(name).to_owned()).collect()
     } else {
         Vec::new()
     };
-    let slots: Vec<usize> =
-        header.iter().filter_map(|name| COLUMNS.iter().position(|column| column == name)).collect();
+    let slots: Vec<usize> = header
+        .iter()
+        .filter_map(|name| table.columns.iter().position(|column| column == name))
+        .collect();
     let ordered = slots.len() == header.len() && slots.windows(2).all(|pair| pair[0] < pair[1]);
-    if !ordered || !(0..6).all(|column| slots.contains(&column)) {
-        return Err(RaysProblem::Header { found: quoted(&header.join(",")) });
+    if !ordered || !(0..table.finite).all(|column| slots.contains(&column)) {
+        return Err(RaysProblem::Header { found: quoted(&header.join(",")), wanted: table.header });
     }
     while csv.read_record(&mut record).map_err(csv_problem)? {
         let line = record.position().map_or(0, csv::Position::line);
@@ -202,29 +245,27 @@ fn parse_csv(bytes: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysProble
             let (found, expected) = (record.len(), slots.len());
             return Err(RaysProblem::Fields { line, found, expected });
         }
-        let mut wide = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f64::INFINITY];
-        let mut narrow = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, f32::INFINITY];
+        let (mut wide, mut narrow) = ([0.0; MOST], [0.0; MOST]);
         for (&slot, text) in slots.iter().zip(record.iter().map(unquoted)) {
             let place = || format!("line {line}");
             (wide[slot], narrow[slot]) =
                 text.parse().ok().zip(text.parse().ok()).ok_or_else(|| {
-                    value_problem(place(), slot, format!("`{}` is not a number", quoted(text)))
+                    table.problem(place(), slot, format!("`{}` is not a number", quoted(text)))
                 })?;
-            check(slot, narrow[slot], place, || format!("`{}`", quoted(text)))?;
+            table.check(slot, narrow[slot], place, || format!("`{}`", quoted(text)))?;
         }
-        reading.claim(OF_RAY)?;
-        file.rays.push(ray(wide));
-        file.rays_f32.push(ray(narrow));
+        reading.claim(table.bytes)?;
+        row(wide, narrow, &slots);
     }
-    Ok(file)
+    Ok(())
 }
 
-fn csv_problem(error: csv::Error) -> RaysProblem {
+fn csv_problem(item: &'static str, error: csv::Error) -> RaysProblem {
     let line = error.position().map_or(0, csv::Position::line);
     let what = cut(&error.to_string(), 200);
     match error.into_kind() {
         csv::ErrorKind::Io(error) => ReadProblem::Unreadable(error).into(),
-        _ => RaysProblem::Malformed { line, what },
+        _ => RaysProblem::Malformed { item, line, what },
     }
 }
 
@@ -248,13 +289,13 @@ fn parse_binary(bytes: &[u8], reading: &mut Reading) -> Result<RaysFile, RaysPro
     if expected != actual {
         return Err(RaysProblem::Length { rays, expected, actual });
     }
-    reading.claim(OF_RAY * u64::from(rays))?;
+    reading.claim(RAYS.bytes * u64::from(rays))?;
     let mut file = RaysFile::default();
     for (number, record) in body.chunks_exact(RECORD).enumerate() {
         let mut values = [0.0; 8];
         for (word, slot) in record.chunks_exact(4).zip(BINARY_ORDER) {
             let value = f32::from_le_bytes([word[0], word[1], word[2], word[3]]);
-            check(slot, value, || format!("ray {number}"), || value.to_string())?;
+            RAYS.check(slot, value, || format!("ray {number}"), || value.to_string())?;
             values[slot] = value;
         }
         file.rays_f32.push(ray(values));
@@ -267,25 +308,28 @@ fn ray<X>([ox, oy, oz, dx, dy, dz, tmin, tmax]: [X; 8]) -> Ray<X> {
     Ray { o: Vec3::new(ox, oy, oz), d: Vec3::new(dx, dy, dz), tmin, tmax }
 }
 
-/// What may stand in a column: a finite f32 for origin and direction, anything but NaN for the
-/// interval.
-fn check(
-    slot: usize,
-    value: f32,
-    place: impl Fn() -> String,
-    shown: impl Fn() -> String,
-) -> Result<(), RaysProblem> {
-    let allowed = if slot < 6 { value.is_finite() } else { !value.is_nan() };
-    if allowed {
-        return Ok(());
+impl Table {
+    /// What may stand in a column: a finite f32, or anything but NaN where it need not be finite.
+    fn check(
+        &self,
+        slot: usize,
+        value: f32,
+        place: impl Fn() -> String,
+        shown: impl Fn() -> String,
+    ) -> Result<(), RaysProblem> {
+        let allowed = if slot < self.finite { value.is_finite() } else { !value.is_nan() };
+        if allowed {
+            return Ok(());
+        }
+        let what = if value.is_nan() { "is not a number" } else { "is not finite in f32" };
+        Err(self.problem(place(), slot, format!("{} {what}", shown())))
     }
-    let what = if value.is_nan() { "is not a number" } else { "is not finite in f32" };
-    Err(value_problem(place(), slot, format!("{} {what}", shown())))
-}
 
-fn value_problem(place: String, slot: usize, what: String) -> RaysProblem {
-    let wanted = if slot < 6 { "finite decimal number" } else { "decimal number or `inf`" };
-    RaysProblem::Value { place, field: COLUMNS[slot], what, wanted }
+    fn problem(&self, place: String, slot: usize, what: String) -> RaysProblem {
+        let is_finite = slot < self.finite;
+        let wanted = if is_finite { "finite decimal number" } else { "decimal number or `inf`" };
+        RaysProblem::Value { place, field: self.columns[slot], what, wanted }
+    }
 }
 
 fn values<X: Copy>(ray: &Ray<X>) -> [X; 8] {
@@ -298,7 +342,7 @@ fn values<X: Copy>(ray: &Ray<X>) -> [X; 8] {
 /// # Errors
 /// When the writer fails.
 pub fn write_rays_csv(mut writer: impl Write, rays: &[Ray<f64>]) -> std::io::Result<()> {
-    writeln!(writer, "{}", COLUMNS.join(","))?;
+    writeln!(writer, "{}", RAYS.columns.join(","))?;
     for ray in rays {
         let row = values(ray).map(|value| format!("{value:?}"));
         writeln!(writer, "{}", row.join(","))?;

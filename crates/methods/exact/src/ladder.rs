@@ -164,22 +164,24 @@ fn order_of<const LIMBS: usize>(
     first.order(&second)
 }
 
-/// Which way the path over three points of a plane turns; see [`whole::turn`].
-pub(crate) fn turn(precision: Precision, points: [[f64; 2]; 3]) -> Ordering {
-    match precision {
-        Precision::Single => whole::turn::<SINGLE>(points),
-        Precision::Double => whole::turn::<DOUBLE>(points),
-    }
-}
-
-/// The sign of `t` where a line that is not parallel to a plane meets it.
-pub(crate) fn sign_of_t(
+/// Whether a triangle that a ray hits owns the crossing; see [`ExactMethod::owns`](trisect_method::ExactMethod::owns).
+/// `unit` is what [`Estimate::new`] takes.
+pub(crate) fn owns(
     precision: Precision,
     ray: &Ray<f64>,
     triangle: &Triangle<f64>,
-) -> Ordering {
+    unit: f64,
+) -> bool {
+    // What f64 is certain of is inside.
+    let estimate = Estimate::new(ray, triangle, unit).and_then(|estimate| estimate.outcome(ray));
+    estimate.is_some() || whole_owns(precision, ray, triangle)
+}
+
+#[cold]
+#[inline(never)]
+fn whole_owns(precision: Precision, ray: &Ray<f64>, triangle: &Triangle<f64>) -> bool {
     match precision {
-        Precision::Single => Volumes::<SINGLE>::new(ray, triangle).sign_of_t(),
-        Precision::Double => Volumes::<DOUBLE>::new(ray, triangle).sign_of_t(),
+        Precision::Single => Volumes::<SINGLE>::new(ray, triangle).owns(ray, triangle),
+        Precision::Double => Volumes::<DOUBLE>::new(ray, triangle).owns(ray, triangle),
     }
 }

@@ -28,8 +28,9 @@ use filter::{Verdict, Volumes};
 use ladder::Precision;
 pub use normal::{Computed, Normal, Normals, Stored};
 use outcome::Outcome;
-pub use solid::{Place, point_in_solid};
+pub use solid::point_in_solid;
 pub use stage::Stage;
+pub use trisect_method::Place;
 
 /// How wide error bounds are, as multiples of what is proved: a test narrows them, to see errors.
 pub trait Width: Send + Sync + 'static {
@@ -221,6 +222,17 @@ impl<W: Width, From: Normals> ExactMethod for Exact<W, From> {
     ) -> Ordering {
         let triangles = [&Self::corners(first), &Self::corners(second)];
         closest::order_within(ray, triangles, double::UNIT * W::DOUBLE)
+    }
+
+    fn owns<X: Scalar>(ray: &Ray<X>, triangle: &Of<Self::Prepared, X>) -> bool {
+        let precision = const { Precision::of_size(size_of::<X>()) };
+        let triangle = widened(&Self::corners(triangle));
+        ladder::owns(precision, &ray.map(|x| x.to_f64()), &triangle, double::UNIT * W::DOUBLE)
+    }
+
+    fn is_on<X: Scalar>(point: Vec3<X>, triangle: &Of<Self::Prepared, X>) -> bool {
+        let precision = const { Precision::of_size(size_of::<X>()) };
+        solid::is_on(precision, point.map(X::to_f64), &widened(&Self::corners(triangle)))
     }
 }
 

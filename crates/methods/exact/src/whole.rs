@@ -112,9 +112,27 @@ impl<const LIMBS: usize> Volumes<LIMBS> {
         compare_shifted(&self.t, &bound, self.exponent - exponent) == side
     }
 
-    /// The sign of `t`; of nothing in particular where `det = 0`.
-    pub(crate) fn sign_of_t(&self) -> Ordering {
-        self.t.sign()
+    /// Whether all weights of a hit are positive once the origin is moved by `(ε, ε², ε³)`: where one is zero, the
+    /// first coordinate decides that its change depends on. Not all are zero, as no edge is parallel to the
+    /// ray.
+    pub(crate) fn owns(&self, ray: &Ray<f64>, triangle: &Triangle<f64>) -> bool {
+        let Triangle { a, b, c } = *triangle;
+        let (place, speed) = (unit(&[a, b, c]), unit(&[ray.d]));
+        let [a, b, c] = [a, b, c].map(|point| multiples::<LIMBS>(point, place));
+        let d = multiples(ray.d, speed);
+        let (e1, e2) = (difference(&b, &a), difference(&c, &a));
+        let w = self.det.minus(&self.u).minus(&self.v);
+        [
+            (&self.u, cross(&d, &e2)),
+            (&self.v, cross(&e1, &d)),
+            (&w, cross(&d, &difference(&e1, &e2))),
+        ]
+        .into_iter()
+        .all(|(weight, Vec3 { x, y, z })| {
+            let change = x.sign().then(y.sign()).then(z.sign());
+            let change = if self.turned { change.reverse() } else { change };
+            weight.sign().then(change) == Ordering::Greater
+        })
     }
 
     /// The order of the `t` of two triangles that a ray meets, neither parallel to it.
@@ -131,16 +149,6 @@ impl<const LIMBS: usize> Volumes<LIMBS> {
             nearest(&self.v, &self.det, 0, format),
         ]
     }
-}
-
-/// Which way the path from `a` over `b` to `p` turns: greater for to the left, less for to the right,
-/// equal for points on a line.
-pub(crate) fn turn<const LIMBS: usize>([a, b, p]: [[f64; 2]; 3]) -> Ordering {
-    let flat = |[x, y]: [f64; 2]| Vec3::new(x, y, 0.0);
-    let unit = unit(&[flat(a), flat(b), flat(p)]);
-    let [a, b, p] = [a, b, p].map(|point| multiples::<LIMBS>(flat(point), unit));
-    let (e, s) = (difference(&b, &a), difference(&p, &a));
-    e.x.times(&s.y).cmp(&e.y.times(&s.x))
 }
 
 /// The order of `x · 2^shift` and `y`.

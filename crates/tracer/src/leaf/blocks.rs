@@ -25,10 +25,13 @@ impl<M: Method> Clone for Block<M> {
 impl<M: Method> Copy for Block<M> {}
 
 /// All blocks of a tree.
+#[allow(clippy::struct_field_names, reason = "they are what it is named for")]
 pub(crate) struct Blocks<M: Method> {
     pub(crate) blocks: Vec<Block<M>>,
     /// The kind of each block's triangles; empty for a method that has one kind.
     kinds: Vec<u8>,
+    /// Per block, in bits, the triangles that are in other places as well; empty where there are none.
+    repeated: Vec<u8>,
 }
 
 /// The slot of a triangle: its place among all blocks.
@@ -58,13 +61,19 @@ impl<M: Method> Blocks<M> {
         } else {
             vec![]
         };
-        Self { blocks, kinds }
+        Self { blocks, kinds, repeated: repeated(triangles.len(), members) }
     }
 
     /// The kind of a block's triangles.
     #[inline(always)]
     pub(crate) fn kind(&self, block: usize) -> usize {
         if const { M::GROUPS > 1 } { usize::from(self.kinds[block]) } else { 0 }
+    }
+
+    /// The triangles of a block, in bits, that are in other places as well, since space was split.
+    #[inline(always)]
+    pub(crate) fn repeated(&self, block: usize) -> u64 {
+        self.repeated.get(block).copied().map_or(0, u64::from)
     }
 
     /// The triangle in a slot, as it was prepared.
@@ -98,6 +107,33 @@ impl<M: Method> Blocks<M> {
 
     /// Bytes of all of it.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&self.blocks[..]) + size_of_val(&self.kinds[..])
+        size_of_val(&self.blocks[..])
+            + size_of_val(&self.kinds[..])
+            + size_of_val(&self.repeated[..])
     }
+}
+
+/// Per block, in bits, those of so many triangles that are in other places as well; empty where there are none.
+fn repeated(count: usize, members: &[Members]) -> Vec<u8> {
+    let mut places = vec![0_u8; count];
+    let mut is_any = false;
+    for block in members {
+        for (lane, &id) in block.triangles.iter().enumerate() {
+            // A block without triangles has ids beyond all.
+            let is_filler = lane > 0 && id == block.triangles[lane - 1];
+            if let (Some(places), false) = (places.get_mut(id as usize), is_filler) {
+                *places = places.saturating_add(1);
+                is_any |= *places > 1;
+            }
+        }
+    }
+    if !is_any {
+        return vec![];
+    }
+    let is_repeated = |&id: &u32| places.get(id as usize).is_some_and(|&places| places > 1);
+    let bits = |block: &Members| {
+        let lanes = block.triangles.iter().enumerate();
+        lanes.fold(0, |bits, (lane, id)| bits | u8::from(is_repeated(id)) << lane)
+    };
+    members.iter().map(bits).collect()
 }

@@ -9,6 +9,7 @@ use trisect_method::{Culling, Method, UnsuitableMesh};
 
 use super::blocks::Blocks;
 use super::query::{Hits, HitsOf, LeafQuery, Queries};
+use super::report::{ExactLeaves, Reporting, WithReporter};
 use super::single::{AtLeaf, test_ray};
 use crate::bvh::builders::members::{Kinds, Members};
 use crate::hit::TriangleHit;
@@ -135,6 +136,12 @@ pub(crate) trait ErasedLeaves: Send + Sync {
     /// Calls `with` for the nearest hits of faces that are seen, in plain arithmetic.
     fn plain(&self, lanes: PlainLanes, culling: Culling, with: With<'_, TriangleHit>);
 
+    /// Calls `with` for all hits of faces that are seen: on plain lanes, or where none are named on fast ones.
+    fn reporter(&self, lanes: Option<PlainLanes>, culling: Culling, with: WithReporter<'_>);
+
+    /// What is known exactly; none of a method that rounds.
+    fn exact(&self) -> Option<&dyn ExactLeaves>;
+
     /// The ids of the triangles of a block.
     fn triangles(&self, block: usize) -> &[u32; WIDTH];
 
@@ -180,6 +187,19 @@ impl<M: Method, K: Queries<M>> ErasedLeaves for MethodLeaves<M, K> {
     fn plain(&self, lanes: PlainLanes, culling: Culling, with: With<'_, TriangleHit>) {
         let query = K::closest::<Robust, Culling>(culling);
         lanes.run(WithTester { blocks: &self.blocks, query, with });
+    }
+
+    fn reporter(&self, lanes: Option<PlainLanes>, culling: Culling, with: WithReporter<'_>) {
+        let reporting =
+            Reporting::<M, K> { blocks: &self.blocks, culling, with, reports: PhantomData };
+        match lanes {
+            Some(lanes) => lanes.run(reporting),
+            None => on_fast_lanes(reporting).unwrap_or_default(),
+        }
+    }
+
+    fn exact(&self) -> Option<&dyn ExactLeaves> {
+        K::exact(&self.blocks)
     }
 
     fn triangles(&self, block: usize) -> &[u32; WIDTH] {

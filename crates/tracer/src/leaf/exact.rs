@@ -247,7 +247,7 @@ fn settle<M: ExactMethod, const N: usize>(
 }
 
 /// Whether a ray hits a triangle.
-fn is_hit<M: ExactMethod>(
+pub(super) fn is_hit<M: ExactMethod>(
     ray: &Ray<f32>,
     culling: Culling,
     prepared: &Of<M::Prepared, f32>,

@@ -6,4 +6,5 @@ pub(crate) mod exact;
 mod packet;
 mod pairs;
 pub(crate) mod query;
+pub(crate) mod report;
 pub(crate) mod single;

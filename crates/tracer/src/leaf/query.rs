@@ -6,6 +6,7 @@ use trisect_core::Lanes;
 use trisect_method::{Culling, Interval, Method, Of};
 
 use super::blocks::{Block, Blocks};
+use super::report::Reports;
 use crate::hit::TriangleHit;
 use crate::query::{Boxes, Faces, Query};
 use crate::rays::batch::{RAYS, RayBatch};
@@ -130,7 +131,7 @@ pub(crate) fn end_after<B: Boxes>(t: f32, tmax: f32) -> f32 {
 }
 
 /// Which leaf queries a method has: those that round, or those that are exact.
-pub(crate) trait Queries<M: Method>: Send + Sync + 'static {
+pub(crate) trait Queries<M: Method>: Reports<M> + Send + Sync + 'static {
     /// Whether a loop over single rays reads the numbers of a ray [side by side](RayBatch::line).
     const LINES: bool;
     /// The nearest hit.

@@ -6,3 +6,4 @@ mod single;
 mod stack;
 pub(crate) mod target;
 pub(crate) mod trace;
+pub(crate) mod walk;

@@ -1,0 +1,332 @@
+//! Queries that want more than the nearest hit: all hits, how many there are, the nearest that a program accepts,
+//! and whether a point is in a solid. One walk down the tree for all of them, which reports hits block by
+//! block.
+
+use std::cell::Cell;
+use std::cmp::Ordering;
+
+use trisect_core::{Ray, Vec3};
+use trisect_method::{Culling, Interval, Place};
+
+use crate::dispatch::{Traced, Tracing};
+use crate::hit::TriangleHit;
+use crate::lanes::{PlainLanes, has_fast_lanes, on_fast_lanes};
+use crate::leaf::blocks::slot;
+use crate::leaf::erased::ErasedLeaves;
+use crate::leaf::query::end_after;
+use crate::leaf::report::{BlockHits, ExactLeaves};
+use crate::parallel::{self, PART, Task};
+use crate::query::Robust;
+use crate::traverse::walk::Walk;
+use crate::vectors::WIDTH;
+
+/// Which triangles count where a ray meets an edge or a corner that several of them share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Crossings {
+    /// Every triangle that the ray hits.
+    #[default]
+    Every,
+    /// One owner: where a surface goes through the ray, one of the triangles there, and where it turns back none or
+    /// two; see [`ExactMethod::owns`](trisect_method::ExactMethod::owns). So a closed surface is crossed an even
+    /// number of times by a line. A method that is not exact has no such rule: every triangle counts.
+    Owned,
+}
+
+/// What a program says of a hit that it is offered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It counts: what is behind it is not offered any more.
+    Accept,
+    /// The ray passes on as if there were no triangle.
+    Ignore,
+    /// It is the answer, however near others are, and the ray ends.
+    End,
+}
+
+/// A method that rounds cannot say whether a point is in a solid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("an exact method alone decides whether a point is inside; build the tree with one")]
+pub struct NotExact;
+
+/// All hits of each of many rays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AllHits {
+    hits: Vec<TriangleHit>,
+    /// Where the hits of each ray end.
+    ends: Vec<usize>,
+}
+
+impl AllHits {
+    /// The hits of a ray, in order.
+    ///
+    /// # Panics
+    /// When there is no such ray.
+    pub fn of(&self, ray: usize) -> &[TriangleHit] {
+        let start = if ray == 0 { 0 } else { self.ends[ray - 1] };
+        &self.hits[start..self.ends[ray]]
+    }
+
+    /// The hits of all rays, one ray after another.
+    pub fn hits(&self) -> &[TriangleHit] {
+        &self.hits
+    }
+
+    /// Where the hits of each ray end among those of all.
+    pub fn ends(&self) -> &[usize] {
+        &self.ends
+    }
+}
+
+/// Finds all hits of a ray.
+type FindAll<'a> = &'a (dyn Fn(&Ray<f32>, &mut Vec<TriangleHit>) + Sync);
+
+/// Finds all hits of rays, on the threads of the pool that it is called in.
+pub(crate) fn all_of(find: FindAll<'_>, rays: &[Ray<f32>], all: &mut AllHits) {
+    let mut parts = vec![AllHits::default(); rays.len().div_ceil(PART)];
+    let tasks = rays.chunks(PART).zip(&mut parts).map(|(rays, part)| -> Task<'_> {
+        Box::new(move || {
+            let mut hits = vec![];
+            for ray in rays {
+                find(ray, &mut hits);
+                part.hits.extend_from_slice(&hits);
+                part.ends.push(part.hits.len());
+            }
+        })
+    });
+    parallel::all(tasks);
+    all.hits.clear();
+    all.ends.clear();
+    for part in parts {
+        let start = all.hits.len();
+        all.hits.extend_from_slice(&part.hits);
+        all.ends.extend(part.ends.iter().map(|end| start + end));
+    }
+}
+
+/// The lanes of a way of tracing: those that are plain, or the fast ones.
+pub(crate) fn lanes_of(tracing: Tracing) -> Option<PlainLanes> {
+    (tracing == Tracing::Plain || !has_fast_lanes()).then_some(PlainLanes::Vector)
+}
+
+/// A tree, and how rays go through it.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    pub(crate) traced: &'a dyn Traced,
+    pub(crate) lanes: Option<PlainLanes>,
+    pub(crate) culling: Culling,
+    pub(crate) crossings: Crossings,
+}
+
+impl<'a> Source<'a> {
+    fn leaves(&self) -> &'a dyn ErasedLeaves {
+        self.traced.leaves()
+    }
+
+    /// Calls `take` for each block in which a ray may hit anything, until `end`, where its interval ends.
+    fn blocks(&self, ray: &Ray<f32>, end: &Cell<f32>, take: &mut dyn FnMut(&BlockHits<'_>)) {
+        self.leaves().reporter(self.lanes, self.culling, &mut |reporter| {
+            let walk = Walk {
+                tree: self.traced.tree(),
+                ray,
+                leaf: &mut |blocks| {
+                    reporter.report(ray, blocks, take);
+                    end.get()
+                },
+            };
+            match self.lanes {
+                Some(plain) => plain.run(walk),
+                None => on_fast_lanes(walk).unwrap_or_default(),
+            };
+        });
+    }
+
+    /// The triangles of a block that a ray hits, in bits: what the filter leaves open is decided.
+    fn met(&self, exact: Option<&dyn ExactLeaves>, ray: &Ray<f32>, block: &BlockHits<'_>) -> u64 {
+        let mut met = block.met;
+        if let (Some(exact), 1..) = (exact, block.open) {
+            let owned = self.crossings == Crossings::Owned;
+            for lane in lanes(block.open) {
+                let is_hit = exact.is_hit(ray, self.culling, owned, slot(block.at, lane));
+                met |= u64::from(is_hit) << lane;
+            }
+        }
+        met
+    }
+
+    /// The id of the triangle in a slot.
+    fn id(&self, slot: u32) -> u32 {
+        self.leaves().triangles(slot as usize / WIDTH)[slot as usize % WIDTH]
+    }
+
+    /// All hits of a ray, in order.
+    pub(crate) fn all(&self, ray: &Ray<f32>, hits: &mut Vec<TriangleHit>) {
+        hits.clear();
+        let (ray, exact) = (&as_tested(ray), self.leaves().exact());
+        self.blocks(ray, &Cell::new(ray.tmax), &mut |block| {
+            hits.extend(lanes(self.met(exact, ray, block)).map(|lane| found(block, lane)));
+        });
+        if let Some(exact) = exact {
+            exact.values(ray, hits);
+        }
+        hits.sort_unstable_by(|a, b| self.order(exact, ray, a, b));
+        for hit in &mut *hits {
+            hit.triangle = self.id(hit.triangle);
+        }
+        // Where space was split a triangle is met in several leaves, with the same values.
+        hits.dedup_by_key(|hit| hit.triangle);
+    }
+
+    /// The order of two hits, which have slots in the places of ids.
+    fn order(
+        &self,
+        exact: Option<&dyn ExactLeaves>,
+        ray: &Ray<f32>,
+        a: &TriangleHit,
+        b: &TriangleHit,
+    ) -> Ordering {
+        a.order_by_t(b).then_with(|| {
+            let (first, second) = (self.id(a.triangle), self.id(b.triangle));
+            match exact {
+                Some(exact) if first != second => {
+                    exact.order(ray, [a.triangle, b.triangle]).then(first.cmp(&second))
+                }
+                _ => first.cmp(&second),
+            }
+        })
+    }
+
+    /// How many hits there are.
+    pub(crate) fn count(&self, ray: &Ray<f32>) -> u32 {
+        let (ray, exact) = (&as_tested(ray), self.leaves().exact());
+        Tally::with(|tally| {
+            self.blocks(ray, &Cell::new(ray.tmax), &mut |block| {
+                tally.add(block, self.met(exact, ray, block));
+            });
+        })
+    }
+
+    /// The nearest hit that a program accepts.
+    pub(crate) fn filtered(
+        &self,
+        ray: &Ray<f32>,
+        program: &mut dyn FnMut(&TriangleHit) -> Verdict,
+    ) -> Option<TriangleHit> {
+        let (ray, exact) = (&as_tested(ray), self.leaves().exact());
+        let (mut best, mut best_slot) = (TriangleHit::NONE, 0);
+        let end = Cell::new(ray.tmax);
+        self.blocks(ray, &end, &mut |block| {
+            let mut others = [TriangleHit::NONE; WIDTH];
+            let mut count = 0;
+            for lane in lanes(self.met(exact, ray, block)) {
+                others[count] = found(block, lane);
+                count += 1;
+            }
+            if let Some(exact) = exact {
+                exact.values(ray, &mut others[..count]);
+            }
+            for other in &others[..count] {
+                let slot = other.triangle;
+                let order =
+                    || exact.map_or(Ordering::Equal, |exact| exact.order(ray, [slot, best_slot]));
+                let mut next = best;
+                let is_nearer =
+                    next.improve_by(TriangleHit { triangle: self.id(slot), ..*other }, order);
+                if !is_nearer || end.get() == f32::NEG_INFINITY {
+                    continue;
+                }
+                let verdict = program(&next);
+                if verdict == Verdict::Ignore {
+                    continue;
+                }
+                (best, best_slot) = (next, slot);
+                end.set(match verdict {
+                    Verdict::End => f32::NEG_INFINITY,
+                    _ => end_after::<Robust>(best.hit.t, ray.tmax),
+                });
+            }
+        });
+        best.is_hit().then_some(best)
+    }
+
+    /// Where a point is with respect to the solid that the triangles bound.
+    pub(crate) fn place(&self, point: Vec3<f32>) -> Result<Place, NotExact> {
+        let exact = self.leaves().exact().ok_or(NotExact)?;
+        // So long that no triangle is beyond the largest `t`. What the point is on is left open: either the ray lies in it,
+        // or hits it where it begins, which is within the bounds of `t`, and never at their ends.
+        let d = Vec3::new(0.0, 0.0, 4.0);
+        let ray = &as_tested(&Ray { o: point, d, tmin: 0.0, tmax: f32::INFINITY });
+        let (end, mut is_on) = (Cell::new(ray.tmax), false);
+        let crossings = Tally::with(|tally| {
+            self.blocks(ray, &end, &mut |block| {
+                let is_at = |lane| exact.is_on(point, slot(block.at, lane));
+                if is_on || lanes(block.open).any(is_at) {
+                    is_on = true;
+                    end.set(f32::NEG_INFINITY);
+                } else {
+                    tally.add(block, self.met(Some(exact), ray, block));
+                }
+            });
+        });
+        Ok(match crossings % 2 {
+            _ if is_on => Place::On,
+            1 => Place::Inside,
+            _ => Place::Outside,
+        })
+    }
+}
+
+/// The ray with its interval as leaves take it.
+fn as_tested(ray: &Ray<f32>) -> Ray<f32> {
+    let Interval { tmin, tmax } = Interval::of(ray);
+    Ray { tmin, tmax, ..*ray }
+}
+
+/// The lanes of some bits.
+fn lanes(mut bits: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (lane < WIDTH).then_some(lane)
+    })
+}
+
+/// A hit in a block, with its slot in the place of the id.
+fn found(block: &BlockHits<'_>, lane: usize) -> TriangleHit {
+    TriangleHit { triangle: slot(block.at, lane), hit: block.hit(lane) }
+}
+
+/// Counts triangles, each once.
+struct Tally {
+    count: u32,
+    /// The ids of those that are met in several places of the tree.
+    repeated: Vec<u32>,
+}
+
+thread_local! {
+    /// Kept from ray to ray, so that none allocates. Not there while a ray counts.
+    static REPEATED: Cell<Vec<u32>> = const { Cell::new(Vec::new()) };
+}
+
+impl Tally {
+    /// How many triangles are added.
+    fn with(add: impl FnOnce(&mut Self)) -> u32 {
+        let mut tally = Self { count: 0, repeated: REPEATED.take() };
+        add(&mut tally);
+        let Self { mut count, mut repeated } = tally;
+        if !repeated.is_empty() {
+            repeated.sort_unstable();
+            repeated.dedup();
+            #[allow(clippy::cast_possible_truncation, reason = "there are fewer triangles")]
+            let more = repeated.len() as u32;
+            count += more;
+            repeated.clear();
+        }
+        REPEATED.set(repeated);
+        count
+    }
+
+    fn add(&mut self, block: &BlockHits<'_>, met: u64) {
+        self.count += (met & !block.repeated).count_ones();
+        self.repeated.extend(lanes(met & block.repeated).map(|lane| block.triangles[lane]));
+    }
+}

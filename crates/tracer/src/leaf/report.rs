@@ -1,0 +1,269 @@
+//! What a ray does to the triangles of a leaf, block by block: for queries that want more than the nearest hit.
+//!
+//! Of a method the test of a block alone is compiled for them, behind a call for each leaf.
+
+use std::cmp::Ordering;
+use std::marker::PhantomData;
+use std::ops::Range;
+
+use trisect_core::{Hit, Lanes, Ray, Token as _, Triangle, Vec3};
+use trisect_method::{Culling, ExactMethod, Interval, Method, Of, Record as _};
+
+use super::blocks::Blocks;
+use super::exact::{self, Exactly};
+use super::pairs::test;
+use super::single::Rounded;
+use crate::hit::TriangleHit;
+use crate::lanes::Job;
+use crate::query::{Both, Closest, Robust};
+use crate::vectors::WIDTH;
+
+/// What a ray does to the triangles of a block.
+pub(crate) struct BlockHits<'a> {
+    /// The index of the block.
+    pub(crate) at: usize,
+    /// The ids of its triangles.
+    pub(crate) triangles: &'a [u32; WIDTH],
+    /// The triangles, in bits, that are in other places of the tree as well.
+    pub(crate) repeated: u64,
+    /// Those that are hit, in bits.
+    pub(crate) met: u64,
+    /// Those that are left to be [decided](ExactLeaves::is_hit), in bits; none of a method that rounds.
+    pub(crate) open: u64,
+    /// The values of hits, of a method that rounds.
+    values: Hit<[f32; WIDTH]>,
+}
+
+impl BlockHits<'_> {
+    /// The values of a hit, of a method that rounds.
+    pub(crate) fn hit(&self, lane: usize) -> Hit<f32> {
+        let Hit { t, beta, gamma } = &self.values;
+        Hit { t: t[lane], beta: beta[lane], gamma: gamma[lane] }
+    }
+}
+
+/// Says what a ray does to the triangles of a leaf.
+pub(crate) trait LeafReporter {
+    /// Calls `take` for each block in which anything may be hit.
+    fn report(&self, ray: &Ray<f32>, leaf: Range<usize>, take: &mut dyn FnMut(&BlockHits<'_>));
+}
+
+/// What is done with a reporter.
+pub(crate) type WithReporter<'a> = &'a mut dyn FnMut(&dyn LeafReporter);
+
+/// What the leaves of an exact method know of triangles, which are named by their [slots](super::blocks::slot).
+/// Rays have intervals as leaves take them.
+pub(crate) trait ExactLeaves {
+    /// Whether a ray hits a triangle, and where `owned` [owns](ExactMethod::owns) it.
+    fn is_hit(&self, ray: &Ray<f32>, culling: Culling, owned: bool, slot: u32) -> bool;
+
+    /// Computes the values of hits, whose slots are in the places of ids.
+    fn values(&self, ray: &Ray<f32>, hits: &mut [TriangleHit]);
+
+    /// Which of two triangles that a ray hits comes first along it.
+    fn order(&self, ray: &Ray<f32>, slots: [u32; 2]) -> Ordering;
+
+    /// Whether a point is on a triangle.
+    fn is_on(&self, point: Vec3<f32>, slot: u32) -> bool;
+}
+
+/// How the leaves of a method report.
+pub(crate) trait Reports<M: Method> {
+    /// Tests a ray against as many triangles of a block as there are lanes, from `lane` on.
+    fn test<L: Lanes<Elem = f32>>(
+        ray: &M::PreparedRay<L>,
+        triangles: &Of<M::Prepared, L>,
+        interval: Interval<L>,
+        culling: Culling,
+        lane: usize,
+        into: &mut BlockHits<'_>,
+    );
+
+    /// What is known exactly.
+    fn exact(blocks: &Blocks<M>) -> Option<&dyn ExactLeaves>;
+}
+
+impl<M: Method> Reports<M> for Rounded {
+    #[inline(always)]
+    fn test<L: Lanes<Elem = f32>>(
+        ray: &M::PreparedRay<L>,
+        triangles: &Of<M::Prepared, L>,
+        interval: Interval<L>,
+        culling: Culling,
+        lane: usize,
+        into: &mut BlockHits<'_>,
+    ) {
+        test::<M, L, Closest<Robust, Both>>(
+            ray,
+            triangles,
+            interval,
+            culling,
+            #[inline(always)]
+            |met, hit| {
+                into.met |= L::bits(met) << lane;
+                hit.t.store(&mut into.values.t[lane..]);
+                hit.beta.store(&mut into.values.beta[lane..]);
+                hit.gamma.store(&mut into.values.gamma[lane..]);
+            },
+        );
+    }
+
+    fn exact(_: &Blocks<M>) -> Option<&dyn ExactLeaves> {
+        None
+    }
+}
+
+impl<M: ExactMethod> Reports<M> for Exactly {
+    #[inline(always)]
+    fn test<L: Lanes<Elem = f32>>(
+        ray: &M::PreparedRay<L>,
+        triangles: &Of<M::Prepared, L>,
+        interval: Interval<L>,
+        culling: Culling,
+        lane: usize,
+        into: &mut BlockHits<'_>,
+    ) {
+        M::screen(
+            ray,
+            triangles,
+            interval,
+            culling,
+            #[inline(always)]
+            |screened| {
+                into.met |= L::bits(screened.certain) << lane;
+                into.open |= screened.open << lane;
+            },
+        );
+    }
+
+    fn exact(blocks: &Blocks<M>) -> Option<&dyn ExactLeaves> {
+        Some(blocks)
+    }
+}
+
+impl<M: ExactMethod> ExactLeaves for Blocks<M> {
+    fn is_hit(&self, ray: &Ray<f32>, culling: Culling, owned: bool, slot: u32) -> bool {
+        let prepared = self.prepared(slot);
+        exact::is_hit::<M>(ray, culling, &prepared) && (!owned || M::owns(ray, &prepared))
+    }
+
+    fn values(&self, ray: &Ray<f32>, hits: &mut [TriangleHit]) {
+        let rays = ray.map(|&x| [x; WIDTH]);
+        let Ray { o, d, tmin, tmax } = &rays;
+        let rays = Ray { o: o.each_ref(), d: d.each_ref(), tmin, tmax };
+        for hits in hits.chunks_mut(WIDTH) {
+            // The first one fills the rest.
+            let slot = |lane: usize| hits.get(lane).unwrap_or(&hits[0]).triangle;
+            let of_lanes: [Triangle<f32>; WIDTH] =
+                std::array::from_fn(|lane| M::corners(&self.prepared(slot(lane))));
+            let row = |corner: usize| {
+                let row = |axis: usize| {
+                    of_lanes.map(|triangle| triangle.corners()[corner].to_array()[axis])
+                };
+                Vec3::new(row(0), row(1), row(2))
+            };
+            let corners = Triangle { a: row(0), b: row(1), c: row(2) };
+            let values = M::values(&rays, &corners, (1 << hits.len()) - 1);
+            for (lane, found) in hits.iter_mut().enumerate() {
+                let (t, beta, gamma) = (values.t[lane], values.beta[lane], values.gamma[lane]);
+                found.hit = Hit { t, beta, gamma };
+            }
+        }
+    }
+
+    fn order(&self, ray: &Ray<f32>, slots: [u32; 2]) -> Ordering {
+        let [first, second] = slots.map(|slot| self.prepared(slot));
+        M::order(ray, &first, &second)
+    }
+
+    fn is_on(&self, point: Vec3<f32>, slot: u32) -> bool {
+        M::is_on(point, &self.prepared(slot))
+    }
+}
+
+/// Makes a reporter on lanes of choice.
+pub(crate) struct Reporting<'a, M: Method, K> {
+    pub(crate) blocks: &'a Blocks<M>,
+    pub(crate) culling: Culling,
+    pub(crate) with: WithReporter<'a>,
+    pub(crate) reports: PhantomData<K>,
+}
+
+impl<M: Method, K: Reports<M>> Job for Reporting<'_, M, K> {
+    type Output = ();
+
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
+        let Self { blocks, culling, with, .. } = self;
+        with(&Reporter::<M, L, K> { blocks, culling, token, reports: PhantomData });
+    }
+}
+
+struct Reporter<'a, M: Method, L: Lanes, K> {
+    blocks: &'a Blocks<M>,
+    culling: Culling,
+    token: L::Token,
+    reports: PhantomData<K>,
+}
+
+impl<M: Method, L: Lanes<Elem = f32>, K: Reports<M>> LeafReporter for Reporter<'_, M, L, K> {
+    fn report(&self, ray: &Ray<f32>, leaf: Range<usize>, take: &mut dyn FnMut(&BlockHits<'_>)) {
+        self.token.run(
+            #[inline(always)]
+            || {
+                let axis = if const { M::TURNS } { ray.d.largest_axis() } else { 2 };
+                match axis {
+                    0 if const { M::TURNS } => self.report_along::<0>(ray, leaf, take),
+                    1 if const { M::TURNS } => self.report_along::<1>(ray, leaf, take),
+                    _ => self.report_along::<2>(ray, leaf, take),
+                }
+            },
+        );
+    }
+}
+
+impl<M: Method, L: Lanes<Elem = f32>, K: Reports<M>> Reporter<'_, M, L, K> {
+    #[inline(always)]
+    fn report_along<const AXIS: usize>(
+        &self,
+        ray: &Ray<f32>,
+        leaf: Range<usize>,
+        take: &mut dyn FnMut(&BlockHits<'_>),
+    ) {
+        let Self { blocks, culling, token, .. } = *self;
+        let interval =
+            Interval { tmin: L::splat(token, ray.tmin), tmax: L::splat(token, ray.tmax) };
+        let ray = ray
+            .map(
+                #[inline(always)]
+                |&x| L::splat(token, x),
+            )
+            .with_axis_last(AXIS);
+        for at in leaf {
+            let ray = M::prepare_ray(&ray, blocks.kind(at));
+            let block = &blocks.blocks[at];
+            let zeros = [0.0; WIDTH];
+            let mut hits = BlockHits {
+                at,
+                triangles: &block.triangles,
+                repeated: blocks.repeated(at),
+                met: 0,
+                open: 0,
+                values: Hit { t: zeros, beta: zeros, gamma: zeros },
+            };
+            let mut lane = 0;
+            while lane < WIDTH {
+                let triangles = M::Prepared::map(
+                    &block.prepared,
+                    #[inline(always)]
+                    |row: &[f32; WIDTH]| L::load(token, &row[lane..]),
+                );
+                let triangles = M::Prepared::with_axis_last(&triangles, AXIS);
+                K::test::<L>(&ray, &triangles, interval, culling, lane, &mut hits);
+                lane += L::N;
+            }
+            if hits.met | hits.open != 0 {
+                take(&hits);
+            }
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! One ray down the tree, leaf by leaf: near ones first, and no box left out that the ray truly meets.
+//!
+//! Apart from the loops that trace, and compiled once for all methods.
+
+use std::ops::Range;
+
+use trisect_core::{Lanes, Ray, Token as _};
+use trisect_method::Interval;
+
+use super::single::descend;
+use super::stack::{self, Stack};
+use crate::bvh::node::{Child, child};
+use crate::bvh::wide::WideTree;
+use crate::lanes::Job;
+use crate::query::Robust;
+use crate::rays::slabs::Slabs;
+use crate::vectors::WIDTH;
+
+/// Room for the stack of a tree as deep as most are.
+const USUAL: usize = 128;
+
+/// Room for that of any: a binary tree is at most 48 levels deeper than one that is balanced.
+const DEEPEST: usize = 1024;
+
+/// Visits the leaves that a ray may meet; how many nodes it visits.
+pub(crate) struct Walk<'a> {
+    pub(crate) tree: &'a WideTree,
+    pub(crate) ray: &'a Ray<f32>,
+    /// Takes the blocks of a leaf, and says where the interval of the ray ends from then on.
+    pub(crate) leaf: &'a mut dyn FnMut(Range<usize>) -> f32,
+}
+
+impl Job for Walk<'_> {
+    type Output = usize;
+
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> usize {
+        let room = stack::room(self.tree.depth);
+        token.run(
+            #[inline(always)]
+            || {
+                // On the stack of the thread: nothing is allocated for a ray.
+                if room <= USUAL {
+                    walk::<L>(token, self, &mut [0; USUAL])
+                } else if room <= DEEPEST {
+                    walk::<L>(token, self, &mut [0; DEEPEST])
+                } else {
+                    walk::<L>(token, self, &mut vec![0; room])
+                }
+            },
+        )
+    }
+}
+
+#[inline(always)]
+fn walk<L: Lanes<Elem = f32>>(
+    token: L::Token,
+    Walk { tree, ray, leaf }: Walk<'_>,
+    items: &mut [u64],
+) -> usize {
+    let Interval { tmin, mut tmax } = Interval::of(ray);
+    let slabs = Slabs::new::<Robust>(&ray.map(
+        #[inline(always)]
+        |&x| L::splat(token, x),
+    ));
+    let mut waiting = Stack::new(items);
+    let mut visited = 0;
+    waiting.push(stack::key(tmin, 0));
+    while let Some(item) = waiting.pop() {
+        // What begins behind the best hit need not be visited any more.
+        if stack::distance(item) > tmax {
+            continue;
+        }
+        let interval = (L::splat(token, tmin), L::splat(token, tmax));
+        let mut current = stack::item(item);
+        while let Child::Node(at) = child(current) {
+            visited += 1;
+            let node = &tree.nodes[at];
+            let (mut met, mut distances, mut lane) = (0, [0.0; WIDTH], 0);
+            while lane < WIDTH {
+                let from = node.planes::<L>(token, [0; 3], lane);
+                let to = node.planes::<L>(token, [1; 3], lane);
+                let (from, to) = slabs.cross_either_way::<Robust>(from, to, interval);
+                met |= L::bits(from.le(to)) << lane;
+                from.store(&mut distances[lane..]);
+                lane += L::N;
+            }
+            if met == 0 {
+                break;
+            }
+            current = descend(&mut waiting, node, met, &distances);
+        }
+        if let Child::Leaf(first, count) = child(current) {
+            tmax = leaf(first..first + count);
+        }
+    }
+    visited
+}
