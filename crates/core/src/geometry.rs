@@ -1,6 +1,6 @@
 //! Rays, triangles and hits: plain data over any number type.
 
-use crate::lanes::{Float, Scalar};
+use crate::lanes::{Float, Lanes, Scalar};
 use crate::number::Number;
 
 /// Three coordinates.
@@ -204,6 +204,21 @@ impl<X> Ray<X> {
             d: Vec3::new(f(&self.d.x), f(&self.d.y), f(&self.d.z)),
             tmin: f(&self.tmin),
             tmax: f(&self.tmax),
+        }
+    }
+}
+
+impl<L: Lanes> Ray<L> {
+    /// The ray in all lanes. As [`map`](Ray::map) with [`Lanes::splat`] but spelled out: it is in every kernel, and a
+    /// function of any type is compiled with what happens to its numbers when the next one panics.
+    #[inline(always)]
+    pub fn splat(token: L::Token, ray: &Ray<L::Elem>) -> Self {
+        let Ray { o, d, tmin, tmax } = *ray;
+        Self {
+            o: Vec3::new(L::splat(token, o.x), L::splat(token, o.y), L::splat(token, o.z)),
+            d: Vec3::new(L::splat(token, d.x), L::splat(token, d.y), L::splat(token, d.z)),
+            tmin: L::splat(token, tmin),
+            tmax: L::splat(token, tmax),
         }
     }
 }

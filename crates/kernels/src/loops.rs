@@ -86,27 +86,25 @@ pub fn one_ray_until<M: Method, L: Lanes, D: Division>(
     ray: &Ray<L::Elem>,
     triangles: &PreparedTriangles<M, L::Elem>,
     culling: Culling,
-    found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>) -> Option<L::Elem>,
+    mut found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>) -> Option<L::Elem>,
 ) {
     let axis = turning_axis::<M, L::Elem>(ray);
     for_axis!(M, axis, |AXIS| one_ray_along::<M, L, D, AXIS>(
-        token, ray, triangles, culling, found
+        token, ray, triangles, culling, &mut found
     ));
 }
 
+// The loops borrow `found`: what is passed by value is dropped when a call in the loop panics, which is code around
+// each of a thousand calls, and takes longer to compile than the test.
 #[inline(always)]
 fn one_ray_along<M: Method, L: Lanes, D: Division, const AXIS: usize>(
     token: L::Token,
     ray: &Ray<L::Elem>,
     triangles: &PreparedTriangles<M, L::Elem>,
     culling: Culling,
-    mut found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>) -> Option<L::Elem>,
+    found: &mut impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>) -> Option<L::Elem>,
 ) {
-    let ray = ray.map(
-        #[inline(always)]
-        |&x| L::splat(token, x),
-    );
-    let ray = ray.with_axis_last(AXIS);
+    let ray = Ray::<L>::splat(token, ray).with_axis_last(AXIS);
     let mut interval = Interval::of(&ray);
     for (group, places) in triangles.groups().iter().enumerate() {
         let prepared = M::prepare_ray(&ray, group);
@@ -136,7 +134,7 @@ fn one_ray_along<M: Method, L: Lanes, D: Division, const AXIS: usize>(
                 |mask, hit| {
                     let (ray, triangle) = (&ray, &triangle);
                     let tested = Tested { ray_place: 0, triangle_place, ray, triangle, group };
-                    end = found(tested, mask, hit);
+                    end = (*found)(tested, mask, hit);
                 },
             );
             if let Some(end) = end {
@@ -164,8 +162,7 @@ pub fn one_triangle<M: Method, L: Lanes, D: Division>(
             packets.along(axis),
             triangles,
             culling,
-            #[inline(always)]
-            |tested, mask, hit| found(tested, mask, hit)
+            &mut found
         ));
     }
 }
@@ -176,7 +173,7 @@ fn one_triangle_along<M: Method, L: Lanes, D: Division, const AXIS: usize>(
     (first, packets): (usize, &[Packet<L::Elem>]),
     triangles: &PreparedTriangles<M, L::Elem>,
     culling: Culling,
-    mut found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
+    found: &mut impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
 ) {
     for (number, packet) in packets.iter().enumerate() {
         for lane in (0..BLOCK).step_by(L::N) {
@@ -195,7 +192,7 @@ fn one_triangle_along<M: Method, L: Lanes, D: Division, const AXIS: usize>(
                         #[inline(always)]
                         |mask, hit| {
                             let (ray, triangle) = (&ray, &triangle);
-                            found(
+                            (*found)(
                                 Tested { ray_place, triangle_place, ray, triangle, group },
                                 mask,
                                 hit,
@@ -276,8 +273,7 @@ pub fn shared_packets<M: Method, L: Lanes, D: Division, S: Shared>(
             packets.along(axis),
             triangles,
             culling,
-            #[inline(always)]
-            |tested, mask, hit| found(tested, mask, hit)
+            &mut found
         ));
     }
 }
@@ -288,7 +284,7 @@ fn shared_along<M: Method, L: Lanes, D: Division, S: Shared, const AXIS: usize>(
     (first, packets): (usize, &[Packet<L::Elem>]),
     triangles: &PreparedTriangles<M, L::Elem>,
     culling: Culling,
-    mut found: impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
+    found: &mut impl FnMut(Tested<'_, M, L>, L::Mask, Hit<L>),
 ) {
     let mut rows = Vec::with_capacity(BUNDLE * BLOCK / L::N);
     for (bundle, packets) in packets.chunks(BUNDLE).enumerate() {
@@ -318,7 +314,7 @@ fn shared_along<M: Method, L: Lanes, D: Division, S: Shared, const AXIS: usize>(
                         #[inline(always)]
                         |mask, hit| {
                             let (ray, triangle) = (&row.ray, &triangle);
-                            found(
+                            (*found)(
                                 Tested { ray_place, triangle_place, ray, triangle, group },
                                 mask,
                                 hit,

@@ -14,10 +14,15 @@ pub trait Record: 'static {
     type Of<X: Value>: Value;
     /// How many numbers.
     const NUMBERS: usize;
-    /// Applies `f` to each number, in order of declaration.
-    fn map<X: Value, Y: Value>(from: &Self::Of<X>, f: impl FnMut(&X) -> Y) -> Self::Of<Y>;
+    /// Applies `f` to each number, in order of declaration. `Copy`, since what is not is dropped when a call panics, and
+    /// every kernel would be compiled for that.
+    fn map<X: Value, Y: Value>(from: &Self::Of<X>, f: impl Fn(&X) -> Y + Copy) -> Self::Of<Y>;
     /// Applies `f` to each pair of numbers at the same place, in order of declaration.
-    fn zip<X: Value, Y: Value>(to: &mut Self::Of<X>, from: &Self::Of<Y>, f: impl FnMut(&mut X, &Y));
+    fn zip<X: Value, Y: Value>(
+        to: &mut Self::Of<X>,
+        from: &Self::Of<Y>,
+        f: impl Fn(&mut X, &Y) + Copy,
+    );
     /// The record with axis `w` of each vector renamed to the last, see
     /// [`Vec3::with_axis_last`](trisect_core::Vec3::with_axis_last).
     fn with_axis_last<X: Value>(from: &Self::Of<X>, w: usize) -> Self::Of<X>;
@@ -40,9 +45,9 @@ impl Record for () {
     type Of<X: Value> = ();
     const NUMBERS: usize = 0;
     #[inline(always)]
-    fn map<X: Value, Y: Value>(_from: &(), _f: impl FnMut(&X) -> Y) {}
+    fn map<X: Value, Y: Value>(_from: &(), _f: impl Fn(&X) -> Y + Copy) {}
     #[inline(always)]
-    fn zip<X: Value, Y: Value>(_to: &mut (), _from: &(), _f: impl FnMut(&mut X, &Y)) {}
+    fn zip<X: Value, Y: Value>(_to: &mut (), _from: &(), _f: impl Fn(&mut X, &Y) + Copy) {}
     #[inline(always)]
     fn with_axis_last<X: Value>(_from: &(), _w: usize) {}
 }
@@ -52,27 +57,16 @@ impl<A: Record, B: Record> Record for (A, B) {
     type Of<X: Value> = (A::Of<X>, B::Of<X>);
     const NUMBERS: usize = A::NUMBERS + B::NUMBERS;
     #[inline(always)]
-    fn map<X: Value, Y: Value>(from: &Self::Of<X>, mut f: impl FnMut(&X) -> Y) -> Self::Of<Y> {
-        // A closure and not `&mut f`, whose call would stay out of line.
-        let first = A::map(
-            &from.0,
-            #[inline(always)]
-            |x| f(x),
-        );
-        (first, B::map(&from.1, f))
+    fn map<X: Value, Y: Value>(from: &Self::Of<X>, f: impl Fn(&X) -> Y + Copy) -> Self::Of<Y> {
+        (A::map(&from.0, f), B::map(&from.1, f))
     }
     #[inline(always)]
     fn zip<X: Value, Y: Value>(
         to: &mut Self::Of<X>,
         from: &Self::Of<Y>,
-        mut f: impl FnMut(&mut X, &Y),
+        f: impl Fn(&mut X, &Y) + Copy,
     ) {
-        A::zip(
-            &mut to.0,
-            &from.0,
-            #[inline(always)]
-            |x, y| f(x, y),
-        );
+        A::zip(&mut to.0, &from.0, f);
         B::zip(&mut to.1, &from.1, f);
     }
     #[inline(always)]
@@ -129,7 +123,7 @@ macro_rules! record {
             #[inline(always)]
             fn map<X: $crate::Value, Y: $crate::Value>(
                 from: &$name<X>,
-                mut f: impl FnMut(&X) -> Y,
+                f: impl Fn(&X) -> Y + Copy,
             ) -> $name<Y> {
                 $name { $($field: $crate::record!(@map $kind from.$field, f)),+ }
             }
@@ -137,7 +131,7 @@ macro_rules! record {
             fn zip<X: $crate::Value, Y: $crate::Value>(
                 to: &mut $name<X>,
                 from: &$name<Y>,
-                mut f: impl FnMut(&mut X, &Y),
+                f: impl Fn(&mut X, &Y) + Copy,
             ) {
                 $($crate::record!(@zip $kind to.$field, from.$field, f);)+
             }
