@@ -2,7 +2,7 @@
 
 use trisect_catalog::entries;
 use trisect_mesh::{Mesh, MeshFormat};
-use trisect_studies::comparison::{Family, Task, compare};
+use trisect_studies::comparison::{Family, Task, Timed, compare};
 use trisect_studies::record::Records;
 use trisect_studies::{Inputs, Silent, Taken};
 use trisect_workloads::Workload;
@@ -10,7 +10,7 @@ use trisect_workloads::Workload;
 fn task(workload: Workload, family: Family) -> Task {
     let Workload { name, description, rays, triangles } = workload;
     let inputs = Inputs::new(rays, triangles.to_vec());
-    Task { name, description, family, inputs, timed_rays: 16 }
+    Task { name, description, family, inputs, timed_rays: 16, timed: Timed::All }
 }
 
 fn run(seed: u64) -> Records {

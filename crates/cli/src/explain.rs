@@ -128,7 +128,7 @@ impl Report {
             "{}\n\
              trees    {}, with {} triangles, by the {} builder, {}\n\
              surface  {}\n\
-             method   {}, unless another is asked for with --method; see `recommend`\n\
+             method   {}; `trisect recommend` says which to use\n\
              lanes    {} of f32 on {}, the best for eight triangles here\n\
              division {}, as a leaf has it; shadow rays get no t, no barycentrics\n\
 \n\

@@ -223,6 +223,12 @@ fn answers_do_not_depend_on_the_number_of_threads() {
     assert_ne!(one[1..], other[1..], "the seed plays no part");
 }
 
+/// Whether a first screen names the one method that was measured, or says that the machine is too busy for it,
+/// as other tests make it.
+fn is_answer(text: &str) -> bool {
+    text.contains("moller-trumbore") != text.contains("No winner is named")
+}
+
 /// Holds a folder to be a whole page: every figure it names is there and is XML.
 fn is_a_page(folder: &Folder, name: &str) {
     let path = folder.path().join(name);
@@ -287,7 +293,7 @@ fn a_measurement_becomes_a_record_a_ranking_a_comparison_and_a_page() {
     let report = folder.trisect("report made/record.jsonl --output page", b"");
     assert_eq!((report.code, report.stderr.trim()), (Some(0), "page    page/index.html"));
     is_a_page(&folder, "page");
-    assert!(report.stdout.contains("moller-trumbore"), "{}", report.stdout);
+    assert!(is_answer(&report.stdout), "{}", report.stdout);
     assert!(report.stdout.lines().all(|line| line.chars().count() <= 80), "{}", report.stdout);
     assert!(!folder.path().join("reports").exists(), "nobody asked for it");
     let report = folder.trisect("report made/record.jsonl", b"");
@@ -454,7 +460,7 @@ fn without_a_verb_everything_is_written_where_it_is_asked_for() {
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let written = ["page    here/index.html", "record  here/record.jsonl"];
     assert_eq!(run.stderr.trim().lines().collect::<Vec<_>>(), written);
-    assert!(run.stdout.contains("moller-trumbore"), "{}", run.stdout);
+    assert!(is_answer(&run.stdout), "{}", run.stdout);
     assert!(run.stdout.lines().all(|line| line.chars().count() <= 80), "{}", run.stdout);
     is_a_page(&folder, "here");
     assert!(!folder.path().join("reports").exists(), "nobody asked for it");

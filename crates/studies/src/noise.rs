@@ -121,14 +121,13 @@ pub(crate) struct Meter {
 
 impl Meter {
     /// Takes in contenders that were timed in turn, by their samples of each round, and the time that all
-    /// samples took.
+    /// samples took. One sample or two say nothing of a machine.
     pub(crate) fn take<'a>(&mut self, samples: impl IntoIterator<Item = &'a [u64]>, spent: Spent) {
         let mut by_round: Vec<Vec<f64>> = Vec::new();
         for samples in samples {
             let samples: Vec<f64> = samples.iter().map(|&ns| ns as f64).collect();
-            let Some([low, middle, high]) = median_interval(&samples).filter(|i| i[1] > 0.0) else {
-                continue;
-            };
+            let interval = median_interval(&samples).filter(|i| i[1] > 0.0 && samples.len() > 2);
+            let Some([low, middle, high]) = interval else { continue };
             self.spreads.push((high - low) / (2.0 * middle));
             by_round.resize(by_round.len().max(samples.len()), Vec::new());
             by_round.iter_mut().zip(samples).for_each(|(round, ns)| round.push(ns / middle));
@@ -202,7 +201,7 @@ mod tests {
     fn nothing_timed_says_nothing() {
         assert_eq!(Meter::default().noise(), None);
         let mut meter = Meter::default();
-        meter.take([&[][..]], Spent::default());
+        meter.take([&[][..], &[5, 6]], Spent::default());
         assert_eq!(meter.noise(), None);
     }
 

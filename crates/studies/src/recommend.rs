@@ -22,8 +22,8 @@ use crate::study::{Progress, StudyError, Taken};
 use crate::subject::Inputs;
 use crate::tracer::{both_classes, together};
 
-/// Rays that kernels are held to the truth on, at most.
-const RAYS: usize = 256;
+/// Rays that kernels are held to the truth on, at most: more where triangles are few.
+const RAYS: [usize; 2] = [256, 4096];
 
 /// Triangles that kernels are tried on, at most: such as the second cache holds of every method, so that
 /// kernels are told apart and not memories.
@@ -67,7 +67,8 @@ pub fn recommend(
     let classes = both_classes(mesh, own, seed);
     let mut rays = classes.each_ref().map(|class| &class.rays[..]).concat();
     rays.shuffle(&mut random);
-    rays.truncate(RAYS);
+    let few = mesh.triangles.len().clamp(1, TRIANGLES);
+    rays.truncate((TESTS / few).clamp(RAYS[0], RAYS[1]));
     let sample = sample(&mesh.triangles, &rays);
     let tried = sample.len();
     let records = taken.record(progress, |run| {
@@ -85,12 +86,11 @@ pub fn recommend(
             }
         }
         together(&methods, mesh, &classes, (rounds, &mut random), run)?;
-        let timed_rays = TESTS.div_ceil(tried).max(RAYS);
         let task = Task {
             name: mesh.name.clone(),
             description: "a part of a mesh, and of its rays".to_owned(),
             family: Family::Mesh,
-            inputs: Inputs::new(rays.iter().copied().cycle().take(timed_rays).collect(), sample),
+            inputs: Inputs::new(rays, sample),
             timed_rays: TESTS.div_ceil(tried),
             timed: Timed::Single,
         };
@@ -144,7 +144,7 @@ type Method = {method};
 let tree = Bvh::<Method>::build(&triangles, Builder::default())?;
 let mut hits = vec![None; rays.len()];
 tree.closest(Tracing::Single, trisect_method::Culling::None, &rays, &mut hits);
-// hits[i]: Option<TriangleHit> with `triangle` and `hit.t`, `hit.beta`, `hit.gamma`
+// Of each ray none, or the triangle's number and its hit's t, beta and gamma.
 "
     )
 }

@@ -322,10 +322,16 @@ fn numbers_come_from_the_records() {
             value.expect("a speed").parse().expect("a number")
         })
         .collect();
-    let mut expected: Vec<f64> = ns
-        .values()
-        .map(|ns| 1e3 / (ns.iter().map(|x| x.ln()).sum::<f64>() / ns.len() as f64).exp())
-        .collect();
+    // Of each method and kind of lanes the fastest.
+    let mut best: BTreeMap<_, f64> = BTreeMap::new();
+    for (variant, ns) in &ns {
+        let speed = 1e3 / (ns.iter().map(|x| x.ln()).sum::<f64>() / ns.len() as f64).exp();
+        let lane = variant.lane();
+        let of = (&variant.method, lane.precision.name(), lane.width, lane.arithmetic.name());
+        let best = best.entry(of).or_default();
+        *best = best.max(speed);
+    }
+    let mut expected: Vec<f64> = best.into_values().collect();
     shown.sort_by(f64::total_cmp);
     expected.sort_by(f64::total_cmp);
     assert_eq!(shown.len(), expected.len());

@@ -105,7 +105,6 @@ impl Measurement<'_, '_> {
             self.agreement(&subject, &answered);
         }
         if self.rounds > 0 && timed_rays > 0 {
-            let timed_rays = timed_rays.min(subject.workload.rays);
             let mut groups = Vec::new();
             self.run
                 .progress
@@ -300,8 +299,9 @@ impl Measurement<'_, '_> {
             self.run.progress.step();
             return None;
         }
-        let rays = &rays[..timed_rays];
-        let Some(scene) = self.scene(&workload.name, entry, kernels, rays, triangles) else {
+        // Few come again and again.
+        let rays: Vec<_> = rays.iter().copied().cycle().take(timed_rays).collect();
+        let Some(scene) = self.scene(&workload.name, entry, kernels, &rays, triangles) else {
             self.run.progress.step();
             return None;
         };
@@ -408,6 +408,7 @@ fn is_single(Kernel { variant, .. }: &Kernel, all: &[Kernel]) -> bool {
     variant.precision == FloatFormat::F32
         && variant.arrangement == Arrangement::OneRay
         && variant.width >= width
+        && !matches!(variant.needs, Output::Point | Output::Normal)
 }
 
 /// Whether a kernel is timed on a family of workloads: where methods are compared everything but

@@ -29,7 +29,7 @@ pub struct Task {
     pub family: Family,
     /// The rays and triangles.
     pub inputs: Inputs,
-    /// How many of the rays, from the first, are timed; all of them answer.
+    /// How many of the rays, from the first, are timed, and then again from the first; all of them answer.
     pub timed_rays: usize,
     /// With which kernels.
     pub timed: Timed,

@@ -11,7 +11,7 @@ use trisect_core::FloatFormat;
 use trisect_method::{Output, UnsuitableMesh};
 use trisect_workloads::{Mesh, RayClass};
 
-use super::race::{Contender, Order, race};
+use super::race::{Contender, Order, note, race};
 use super::rays::{ClassOfRays, classes_of_rays};
 use super::record::{Contest, Traced, TreeBuilt};
 use super::settings::Tracer;
@@ -205,6 +205,7 @@ impl Racing<'_, '_> {
             let mut contenders = Vec::from(of(resident));
             contenders.extend(of(baseline));
             race(&mut contenders, class, self.study.rounds, &mut self.random, Order::Slices)?;
+            note(&mut self.run.meter, &contenders);
             let (mine, beside) = contenders.split_at(ways.len());
             for (mine, beside) in mine.iter().zip(beside) {
                 let baseline_ns = beside.samples_ns.clone();
@@ -257,6 +258,7 @@ impl Racing<'_, '_> {
             contenders.push(of(default, Tracing::Plain));
             contenders.push(of(default, Tracing::Single).ray_by_ray());
             race(&mut contenders, class, rounds, &mut self.random, Order::Slices)?;
+            note(&mut self.run.meter, &contenders);
             for (place, contender) in places.into_iter().zip(&contenders) {
                 self.run.add(residents[place].traced(class, contender));
             }

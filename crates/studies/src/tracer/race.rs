@@ -11,7 +11,7 @@ use trisect_method::Culling;
 
 use super::measure::Resident;
 use super::rays::ClassOfRays;
-use crate::noise::{Spent, timed};
+use crate::noise::{Meter, Spent, timed};
 use crate::timing::{WrongAnswer, nanoseconds};
 
 /// Rays of a turn: enough that the caches are a contender's own for most of them, few enough that all
@@ -140,6 +140,12 @@ impl<'a> Contender<'a> {
         let kernel = format!("{} ({}, {} rays)", self.method, self.tracing_name(), class.name);
         WrongAnswer { kernel, found, expected: expected.to_string() }
     }
+}
+
+/// What contenders that raced on one thread tell about the machine.
+pub(super) fn note(meter: &mut Meter, contenders: &[Contender<'_>]) {
+    let spent = contenders.iter().map(|contender| contender.spent).sum();
+    meter.take(contenders.iter().map(|contender| &contender.samples_ns[..]), spent);
 }
 
 /// Rays whose decision rounding explains, of so many: those that pass within rounding of an edge.

@@ -10,7 +10,7 @@ use trisect_method::Culling;
 use trisect_workloads::RayClass;
 
 use super::measure::{Resident, refuse};
-use super::race::{Contender, Order, race};
+use super::race::{Contender, Order, note, race};
 use super::rays::{ClassOfRays, classes_of_rays};
 use super::record::{Contest, TreeChecked};
 use crate::study::{Run, StudyError, pool, threads};
@@ -76,8 +76,7 @@ pub(crate) fn together(
         let mut contenders: Vec<_> = residents.iter().map(of).collect();
         contenders.extend(residents.iter().map(|resident| of(resident).ray_by_ray()));
         race(&mut contenders, &class, rounds, random, Order::Slices)?;
-        let spent = contenders.iter().map(|contender| contender.spent).sum();
-        run.meter.take(contenders.iter().map(|contender| &contender.samples_ns[..]), spent);
+        note(&mut run.meter, &contenders);
         for (resident, contender) in residents.iter().cycle().zip(&contenders) {
             run.add(resident.traced(&class, contender));
         }

@@ -57,14 +57,10 @@ pub struct ErrorDifference {
     pub reference: String,
     /// `t`, `beta` or `gamma`.
     pub quantity: String,
-    /// The median relative error in the first record.
-    pub median_a: f64,
-    /// The median relative error in the second.
-    pub median_b: f64,
-    /// The largest relative error in the first record.
-    pub max_a: f64,
-    /// The largest relative error in the second.
-    pub max_b: f64,
+    /// Median and largest relative error in the first record.
+    pub a: [f64; 2],
+    /// The same in the second.
+    pub b: [f64; 2],
 }
 
 /// Compares what two records have in common.
@@ -103,10 +99,8 @@ pub fn compare_records(a: &Records, b: &Records) -> RecordComparison {
                 workload: e.workload.clone(),
                 reference: e.reference.clone(),
                 quantity: e.quantity.clone(),
-                median_a: e.relative.median,
-                median_b: other.relative.median,
-                max_a: e.relative.max,
-                max_b: other.relative.max,
+                a: [e.relative.median, e.relative.max],
+                b: [other.relative.median, other.relative.max],
             });
         }
     }
@@ -166,10 +160,10 @@ impl RecordComparison {
                 e.quantity,
                 e.workload,
                 e.reference,
-                scientific(e.median_a),
-                scientific(e.median_b),
-                scientific(e.max_a),
-                scientific(e.max_b)
+                scientific(e.a[0]),
+                scientific(e.b[0]),
+                scientific(e.a[1]),
+                scientific(e.b[1])
             );
             ("  ".to_owned(), says)
         };

@@ -21,6 +21,10 @@ const POINTS: [&str; 2] = ["moller-trumbore-1", "kensler-shirley-points"];
 const HIS: [&str; 7] =
     [POINTS[0], POINTS[1], "keidy", "badouel", "wald", "shevtsov", "perpendicular-planes"];
 
+fn is_his(v: &Variant) -> bool {
+    HIS.contains(&&*v.method)
+}
+
 /// A statement, then whether it holds and the figures.
 type Statement = (String, String);
 
@@ -28,26 +32,32 @@ fn said(says: &str, figures: impl Into<String>) -> Statement {
     (says.to_owned(), figures.into())
 }
 
-fn found(says: &str, holds: Option<bool>, figures: impl AsRef<str>) -> Statement {
-    let verdict = match holds {
-        Some(true) => "Holds here.",
-        Some(false) => "Not here.",
-        None => "Not measured.",
-    };
+fn found(says: &str, verdict: &str, figures: impl AsRef<str>) -> Statement {
     said(says, format!("**{verdict}** {}", figures.as_ref()))
 }
 
 fn unmeasured(says: &str, why: &str) -> Statement {
-    found(says, None, why)
+    found(says, holds(None), why)
+}
+
+fn holds(of: Option<bool>) -> &'static str {
+    match of {
+        Some(true) => "Holds here.",
+        Some(false) => "Not here.",
+        None => "Not measured.",
+    }
+}
+
+/// Whether something that is said to be faster is: differences of 3 % are none.
+fn gains(of: Option<f64>) -> &'static str {
+    match of {
+        Some(gain) if (0.97..=1.03).contains(&gain) => "No difference here.",
+        gain => holds(gain.map(|gain| gain > 1.0)),
+    }
 }
 
 /// A ratio of speeds, none where the record has no such pair, and in words.
 type Ratio = (Option<f64>, String);
-
-/// Whether something is faster by more than nothing.
-fn is_gain(of: Option<f64>) -> Option<bool> {
-    of.map(|of| of > 1.03)
-}
 
 struct Record<'a> {
     view: &'a View<'a>,
@@ -102,11 +112,11 @@ impl Record<'_> {
 
     /// The same, scalar with early-out, then on the widest lanes: whether it is faster as a scalar, and both in
     /// words.
-    fn both(&self, method: &str, other: &str) -> (Option<bool>, String) {
+    fn both(&self, method: &str, other: &str) -> (&'static str, String) {
         let is_scalar = |v: &Variant| v.width == 1 && v.arrangement == OneRay && v.early_out;
         let (scalar, says) = self.pair(method, other, is_scalar);
         let (_, wide) = self.pair(method, other, |v| self.is_wide(v));
-        (is_gain(scalar), format!("Scalar with early-out: {says}; {} lanes: {wide}.", self.width))
+        (gains(scalar), format!("Scalar with early-out: {says}; {} lanes: {wide}.", self.width))
     }
 
     fn raw(&self) -> Vec<Statement> {
@@ -155,24 +165,24 @@ impl Record<'_> {
         ]
         .map(|(method, other)| self.pair(method, other, in_packets));
         let share = |arrangement, on| {
-            let keep = |v: &Variant| in_packets(v) && v.precision == F32;
+            let keep = |v: &Variant| in_packets(v) && v.precision == F32 && is_his(v);
             self.faster(keep, |v| v.arrangement = arrangement, Some(on))
         };
         let origin = share(CommonOrigin, "packets/origin");
         let direction = share(CommonDirection, "packets/direction");
-        let keep = |v: &Variant| v.precision == F32 && self.is_wide(v) && !v.early_out;
+        let keep = |v: &Variant| v.precision == F32 && self.is_wide(v) && !v.early_out && is_his(v);
         let group = self.faster(keep, |v| v.arrangement = OneTriangle, None);
         let all = wald.0.zip(kensler.0).zip(over_planes.0);
         vec![
             found(
                 "5.1.3: in packets Wald no longer suffers from the axis, and Kensler–Shirley falls behind Wald \
                  and the planes.",
-                all.map(|((wald, a), b)| wald > 0.97 && a < 0.97 && b < 0.97),
+                holds(all.map(|((wald, a), b)| wald > 0.97 && a < 0.97 && b < 0.97)),
                 format!("{}; {}; {}.", wald.1, kensler.1, over_planes.1),
             ),
             found(
                 "4.2.2: a common origin saves half of the plane's intersection; parallel rays save even more.",
-                origin.0.zip(direction.0).map(|(o, d)| o > 1.03 && d > o),
+                holds(origin.0.zip(direction.0).map(|(o, d)| o > 1.03 && d > o)),
                 format!(
                     "Over packets that share nothing: origin {}; direction {}.",
                     origin.1, direction.1
@@ -180,7 +190,7 @@ impl Record<'_> {
             ),
             found(
                 "4.2.2: groups of triangles against one ray are rarely worth it; packets are.",
-                is_gain(group.0),
+                gains(group.0),
                 format!("Packets over groups: {}.", group.1),
             ),
             unmeasured(
@@ -193,7 +203,11 @@ impl Record<'_> {
     fn division(&self) -> Vec<Statement> {
         let worst = |is_in: &dyn Fn(&Variant) -> bool| {
             let keep = |v: &Variant| {
-                v.precision == F32 && v.division == Form::Early && !v.early_out && is_in(v)
+                v.precision == F32
+                    && v.division == Form::Early
+                    && !v.early_out
+                    && is_his(v)
+                    && is_in(v)
             };
             self.faster(keep, |v| v.division = Form::Deferred, None).1
         };
@@ -235,15 +249,17 @@ impl Record<'_> {
         vec![
             found(
                 "5.3: with early exits disabled Möller–Trumbore is like Kensler–Shirley, and Keidy is behind.",
-                kensler
-                    .0
-                    .zip(keidy.0)
-                    .map(|(near, behind)| (0.9..=1.1).contains(&near) && behind < 0.97),
+                holds(
+                    kensler
+                        .0
+                        .zip(keidy.0)
+                        .map(|(near, behind)| (0.9..=1.1).contains(&near) && behind < 0.97),
+                ),
                 format!("Scalar: {}; {}.", kensler.1, keidy.1),
             ),
             found(
                 "5.3: the simpler stored formulas win clearly; the planes do oddly badly with one compiler.",
-                wald.zip(shevtsov).map(|(w, s)| w > 1.1 && s > 1.1),
+                holds(wald.zip(shevtsov).map(|(w, s)| w > 1.1 && s > 1.1)),
                 format!("Scalar: {}.", stored.map(|of| of.1).join("; ")),
             ),
         ]
@@ -251,7 +267,7 @@ impl Record<'_> {
 
     fn double(&self) -> Vec<Statement> {
         let single = |width: usize, times: usize| {
-            let keep = |v: &Variant| v.precision == F64 && v.width == width;
+            let keep = |v: &Variant| v.precision == F64 && v.width == width && is_his(v);
             let change = |v: &mut Variant| (v.precision, v.width) = (F32, v.width * times);
             self.faster(keep, change, None).1
         };
@@ -288,7 +304,7 @@ impl Record<'_> {
             found(
                 "5.5: Möller–Trumbore errs most, and differences are too small to matter: about 1e-6 in f32, 1e-14 \
                  in f64.",
-                most.map(|(_, method)| method == POINTS[0]),
+                holds(most.map(|(_, method)| method == POINTS[0])),
                 format!(
                     "Mean relative error of t over his seven methods, median: f32 {}, f64 {}; most: {}.",
                     middle(F32),
@@ -298,7 +314,7 @@ impl Record<'_> {
             ),
             found(
                 "5.5: moving the division changes the error almost not at all.",
-                moved.map(|ratio| (0.8..1.25).contains(&ratio)),
+                holds(moved.map(|ratio| (0.8..1.25).contains(&ratio))),
                 format!(
                     "Median error of t, deferred over early, over his methods: {}.",
                     or_dash(moved, ratio)
@@ -306,7 +322,7 @@ impl Record<'_> {
             ),
             found(
                 "5.5: no two methods chose different triangles.",
-                (rays > 0).then_some(rays == of),
+                holds((rays > 0).then_some(rays == of)),
                 format!("All methods of this record chose the same for {of} of {rays} rays."),
             ),
         ]

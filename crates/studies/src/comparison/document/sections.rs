@@ -71,7 +71,13 @@ fn variants(view: &View) -> Section {
     let mut rows = Vec::new();
     for &need in view.needs() {
         let comparable = view.comparable(|v| v.needs == need);
+        let mut seen = Vec::new();
         for (variant, ns) in comparable.scores() {
+            let of = (variant.method.as_ref(), variant.lane());
+            if seen.contains(&of) {
+                continue;
+            }
+            seen.push(of);
             let mut relative = Vec::new();
             let mut bytes = None;
             for t in comparable.workloads.iter().filter_map(|w| view.throughput[variant].get(w)) {
@@ -116,11 +122,12 @@ fn variants(view: &View) -> Section {
         .note("false hits and false misses per million pairs")
         .filtered("f32 avx2 deferred");
     let says = format!(
-        "{} variants; a button in the head sorts by its column, a second press reverses the order. Errors \
-         are relative, against exact arithmetic.",
+        "{} variants: of each method on each kind of lanes the fastest for what is asked; `trisect rank` lists \
+         all. A button in the head sorts by its column, a second press reverses the order. Errors are \
+         relative, against exact arithmetic.",
         rows.len()
     );
-    Section::table("variants", "All variants", says, table)
+    Section::table("variants", "Variants", says, table)
         .missing("Left out: the record holds no throughput.")
 }
 
