@@ -5,7 +5,7 @@ use trisect_tracer::TriangleHit;
 
 use crate::Scene;
 
-/// The first triangle that a ray hits, and where.
+/// A triangle that a ray hits, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The triangle: the index of its face, or its place among the triangles that the scene was made of.
@@ -57,5 +57,29 @@ impl Hit {
         let normal: Vec3<f64> = (b - a).cross(c - a);
         let length = normal.dot(normal).sqrt();
         if length > 0.0 { normal.to_array().map(|x| (x / length) as f32) } else { [0.0; 3] }
+    }
+}
+
+/// All hits of each of many rays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AllHits(pub(crate) trisect_tracer::AllHits);
+
+impl AllHits {
+    /// The hits of a ray, by its place among the rays, in order.
+    ///
+    /// # Panics
+    /// When there is no such ray.
+    pub fn of(&self, ray: usize) -> impl ExactSizeIterator<Item = Hit> + '_ {
+        self.0.of(ray).iter().copied().map(Hit::of)
+    }
+
+    /// The hits of all rays, one ray after another.
+    pub fn hits(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
+        self.0.hits().iter().copied().map(Hit::of)
+    }
+
+    /// Where the hits of each ray end among those of all.
+    pub fn ends(&self) -> &[usize] {
+        self.0.ends()
     }
 }

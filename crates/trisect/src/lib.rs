@@ -8,7 +8,7 @@ mod scene;
 pub mod trees;
 
 pub use error::{SceneError, UpdateError};
-pub use hit::Hit;
+pub use hit::{AllHits, Hit};
 pub use options::SceneOptions;
 pub use scene::{Scene, View};
 
@@ -20,8 +20,8 @@ pub type Triangle = trisect_core::Triangle<f32>;
 
 pub use trisect_core::Vec3;
 pub use trisect_mesh::{MeshError, Note};
-pub use trisect_method::{Culling, Method, UnsuitableMesh};
-pub use trisect_tracer::{Builder, RefitError, Statistics};
+pub use trisect_method::{Culling, Method, Place, UnsuitableMesh};
+pub use trisect_tracer::{Builder, Crossings, NotExact, RefitError, Statistics, Verdict};
 
 /// What a method of one's own is written with: numbers and lanes.
 pub use trisect_core as core;

@@ -1,14 +1,18 @@
 //! A mesh that rays are asked of.
 
+use std::cell::Cell;
 use std::path::Path;
 
 use rayon::prelude::*;
 use trisect_core::Vec3;
 use trisect_method::{Culling, Method};
-use trisect_tracer::{Statistics, Tracing, Tree};
+use trisect_tracer::{Statistics, Tracing, Tree, TriangleHit};
 
 use crate::options::corners;
-use crate::{Hit, Note, Ray, SceneError, SceneOptions, Triangle, UpdateError};
+use crate::{
+    AllHits, Crossings, Hit, NotExact, Note, Place, Ray, SceneError, SceneOptions, Triangle,
+    UpdateError, Verdict,
+};
 
 /// A mesh that rays are asked of, from any number of threads.
 ///
@@ -24,11 +28,17 @@ pub struct Scene {
     pub(crate) batches: Tracing,
 }
 
-/// A scene of which some faces are not seen.
+/// A scene of which some faces are not seen, or whose triangles own their crossings.
 #[derive(Clone, Copy)]
 pub struct View<'a> {
     scene: &'a Scene,
     culling: Culling,
+    crossings: Crossings,
+}
+
+thread_local! {
+    /// Where a ray's hits are gathered: kept from ray to ray, so that none allocates.
+    static GATHERED: Cell<Vec<TriangleHit>> = const { Cell::new(Vec::new()) };
 }
 
 impl Scene {
@@ -102,10 +112,72 @@ impl Scene {
         self.seen(Culling::None).any_of(rays, hits);
     }
 
+    /// All hits of a ray, by `t`, then by index: every triangle once. The exact method orders them by their true `t`,
+    /// however near they are to each other. `hits` is cleared before; nothing is allocated once it has room.
+    pub fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+        self.seen(Culling::None).all(ray, hits);
+    }
+
+    /// How many hits [`all`](Scene::all) finds. Allocates nothing.
+    pub fn count(&self, ray: &Ray) -> u32 {
+        self.seen(Culling::None).count(ray)
+    }
+
+    /// The first hit that a program accepts. It is offered hits in no particular order, and may be offered one more than
+    /// once, but none behind a hit that it has accepted.
+    pub fn filtered(&self, ray: &Ray, program: impl FnMut(&Hit) -> Verdict) -> Option<Hit> {
+        self.seen(Culling::None).filtered(ray, program)
+    }
+
+    /// The first hit with a triangle left out: the one that the ray starts from.
+    pub fn first_but(&self, ray: &Ray, triangle: u32) -> Option<Hit> {
+        self.seen(Culling::None).first_but(ray, triangle)
+    }
+
+    /// [`all`](Scene::all) of each ray, on the threads of the rayon pool that it is called in.
+    pub fn all_of(&self, rays: &[Ray]) -> AllHits {
+        self.seen(Culling::None).all_of(rays)
+    }
+
+    /// [`count`](Scene::count) of each ray, on the threads of the rayon pool that it is called in.
+    ///
+    /// # Panics
+    /// When there are not as many places as rays.
+    pub fn count_of(&self, rays: &[Ray], counts: &mut [u32]) {
+        self.seen(Culling::None).count_of(rays, counts);
+    }
+
+    /// Whether a point is inside, on or outside the surface of the triangles, decided exactly. Inside is what is
+    /// enclosed an odd number of times, so that a surface within another bounds a cavity; which way triangles face plays
+    /// no part. The surface has to be closed. A point that is not finite is outside.
+    ///
+    /// # Errors
+    /// When the scene's method is not exact.
+    pub fn contains(&self, point: [f32; 3]) -> Result<Place, NotExact> {
+        self.tree.contains(point.into())
+    }
+
+    /// [`contains`](Scene::contains) of each point, on the threads of the rayon pool that it is called in.
+    ///
+    /// # Errors
+    /// As [`contains`](Scene::contains).
+    pub fn contains_of(&self, points: &[[f32; 3]]) -> Result<Vec<Place>, NotExact> {
+        let points: Vec<Vec3<f32>> = points.iter().map(|&point| point.into()).collect();
+        let mut places = vec![Place::Outside; points.len()];
+        self.tree.contains_of(&points, &mut places)?;
+        Ok(places)
+    }
+
     /// The same scene for queries that do not see some faces. The front of a triangle is where its corners run
     /// counter-clockwise.
     pub fn seen(&self, culling: Culling) -> View<'_> {
-        View { scene: self, culling }
+        View { scene: self, culling, crossings: Crossings::Every }
+    }
+
+    /// The same scene for queries that find all hits or count them, with a choice of what counts where a ray meets an
+    /// edge or a corner that triangles share. [`Crossings::Owned`] takes the exact method.
+    pub fn crossings(&self, crossings: Crossings) -> View<'_> {
+        self.seen(Culling::None).crossings(crossings)
     }
 
     /// Moves the vertices. The tree stays as it is and is fitted to them: quicker than making it anew, but slower
@@ -153,6 +225,52 @@ impl Scene {
 }
 
 impl View<'_> {
+    /// As [`Scene::crossings`].
+    pub fn crossings(self, crossings: Crossings) -> Self {
+        Self { crossings, ..self }
+    }
+
+    /// As [`Scene::all`].
+    pub fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+        let mut found = GATHERED.take();
+        self.scene.tree.all(Tracing::Single, self.culling, self.crossings, ray, &mut found);
+        hits.clear();
+        hits.extend(found.iter().copied().map(Hit::of));
+        GATHERED.set(found);
+    }
+
+    /// As [`Scene::count`].
+    pub fn count(&self, ray: &Ray) -> u32 {
+        self.scene.tree.count(Tracing::Single, self.culling, self.crossings, ray)
+    }
+
+    /// As [`Scene::filtered`].
+    pub fn filtered(&self, ray: &Ray, mut program: impl FnMut(&Hit) -> Verdict) -> Option<Hit> {
+        let mut of = |hit: &TriangleHit| program(&Hit::of(*hit));
+        self.scene.tree.filtered(Tracing::Single, self.culling, ray, &mut of).map(Hit::of)
+    }
+
+    /// As [`Scene::first_but`].
+    pub fn first_but(&self, ray: &Ray, triangle: u32) -> Option<Hit> {
+        self.scene.tree.closest_but(Tracing::Single, self.culling, ray, triangle).map(Hit::of)
+    }
+
+    /// As [`Scene::all_of`].
+    pub fn all_of(&self, rays: &[Ray]) -> AllHits {
+        let mut all = AllHits::default();
+        self.scene.tree.all_of(Tracing::Single, self.culling, self.crossings, rays, &mut all.0);
+        all
+    }
+
+    /// As [`Scene::count_of`].
+    ///
+    /// # Panics
+    /// When there are not as many places as rays.
+    pub fn count_of(&self, rays: &[Ray], counts: &mut [u32]) {
+        assert_eq!(rays.len(), counts.len(), "each ray has a place for its count");
+        self.scene.tree.count_of(Tracing::Single, self.culling, self.crossings, rays, counts);
+    }
+
     /// As [`Scene::first`].
     pub fn first(&self, ray: &Ray) -> Option<Hit> {
         self.scene.tree.closest_hit(self.culling, ray).map(Hit::of)

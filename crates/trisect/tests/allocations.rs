@@ -1,6 +1,6 @@
 //! A ray that is asked about alone allocates nothing.
 
-use trisect::{Culling, Scene};
+use trisect::{Culling, Scene, Verdict};
 use trisect_workloads::{Mesh, random_through_box};
 
 #[test]
@@ -18,14 +18,22 @@ fn single_rays_allocate_nothing() {
         let scene = options.from_triangles(&bunny.triangles).expect("it takes all");
         for culling in [Culling::None, Culling::Back, Culling::Front] {
             let view = scene.seen(culling);
-            let mut hits = 0;
-            let counted = allocation_counter::measure(|| {
+            let mut all = vec![];
+            let mut ask = || {
+                let mut hits = 0;
                 for ray in &rays {
                     let hit = view.first(ray);
                     assert_eq!(hit.is_some(), view.any(ray));
                     hits += usize::from(hit.is_some());
+                    view.all(ray, &mut all);
+                    assert_eq!(view.count(ray) as usize, all.len());
+                    assert_eq!(view.filtered(ray, |_| Verdict::Accept).is_some(), hit.is_some());
                 }
-            });
+                hits
+            };
+            // The first time makes room for what is gathered.
+            let mut hits = ask();
+            let counted = allocation_counter::measure(|| hits += ask());
             assert_eq!(counted.count_total, 0, "{culling:?}");
             assert!(hits > 100);
         }

@@ -2,7 +2,10 @@
 
 use std::thread;
 
-use trisect::{Culling, Hit, Ray, Scene, SceneError, SceneOptions, Triangle, UpdateError, Vec3};
+use trisect::{
+    Crossings, Culling, Hit, Place, Ray, Scene, SceneError, SceneOptions, Triangle, UpdateError,
+    Vec3, Verdict,
+};
 use trisect_workloads::{Aim, Mesh, Placement, Stress, Surface, primary, random_through_box};
 
 /// The same mesh by every method.
@@ -189,4 +192,66 @@ fn a_scene_that_moves_answers_as_a_new_one() {
         new.triangles().iter().flat_map(|t| t.corners()).map(Vec3::to_array).collect();
     scene.update(&corners).expect("as many");
     assert_eq!(scene.triangles(), new.triangles());
+}
+
+#[test]
+fn queries_agree_on_what_is_hit() {
+    let bunny = Mesh::bunny();
+    let rays = random_through_box(4, &bunny, 500).rays;
+    for (number, scene) in scenes(&bunny.triangles).iter().enumerate() {
+        for view in [scene.seen(Culling::None), scene.seen(Culling::Back)] {
+            let (all_of, mut counts) = (view.all_of(&rays), vec![0; rays.len()]);
+            view.count_of(&rays, &mut counts);
+            let (mut hits, mut several) = (vec![], 0);
+            for (place, ray) in rays.iter().enumerate() {
+                view.all(ray, &mut hits);
+                assert!(all_of.of(place).eq(hits.iter().copied()), "{ray:?}");
+                assert_eq!(view.count(ray) as usize, hits.len(), "{ray:?}");
+                assert_eq!(counts[place], view.count(ray), "{ray:?}");
+                assert!(hits.is_sorted_by(|a, b| a.t <= b.t), "{hits:?}");
+                let first = view.filtered(ray, |_| Verdict::Accept);
+                assert_eq!(first, hits.first().copied(), "{ray:?}");
+                let Some(first) = first else { continue };
+                assert_eq!(view.first_but(ray, first.triangle), hits.get(1).copied(), "{ray:?}");
+                several += usize::from(hits.len() > 1);
+                // Only an exact method promises as much: the others may round apart in other loops.
+                assert!(number > 0 || view.first(ray) == Some(first), "{ray:?}");
+            }
+            assert_eq!(all_of.hits().len(), *all_of.ends().last().expect("there are rays"));
+            assert!(several > 50 || view.count(&rays[0]) < 2);
+        }
+    }
+}
+
+#[test]
+fn a_point_is_inside_on_or_outside() {
+    // One sphere within another: between them is inside, within both is a cavity.
+    let of = |scale: f32| {
+        let triangles = Surface::sphere(2).triangles::<f32>(&Placement::HERE);
+        triangles.into_iter().map(move |triangle| triangle.map(|x| x * scale))
+    };
+    let triangles: Vec<Triangle> = of(1.0).chain(of(0.5)).collect();
+    let scene = Scene::from_triangles(&triangles).expect("sound");
+    let corner = triangles[0].corners()[0].to_array();
+    let scaled = |by: f32| corner.map(|x| x * by);
+    let places = [
+        (scaled(1.0), Place::On),
+        (scaled(0.75), Place::Inside),
+        (scaled(0.5), Place::On),
+        (scaled(0.25), Place::Outside),
+        ([0.0; 3], Place::Outside),
+        (scaled(1.5), Place::Outside),
+        ([f32::NAN; 3], Place::Outside),
+    ];
+    let points = places.map(|(point, _)| point);
+    assert_eq!(scene.contains_of(&points), Ok(places.map(|(_, place)| place).to_vec()));
+    for (point, place) in places {
+        assert_eq!(scene.contains(point), Ok(place), "{point:?}");
+        // What a ray upwards says, but for points that lie on the surface.
+        let crossings = scene.crossings(Crossings::Owned).count(&Ray::new(point, [0.0, 0.0, 1.0]));
+        assert!(place == Place::On || (crossings % 2 == 1) == (place == Place::Inside));
+    }
+    let fast = Scene::options().fast().from_triangles(&triangles).expect("sound");
+    let error = fast.contains([0.0; 3]).expect_err("it rounds");
+    assert!(error.to_string().contains("exact"), "{error}");
 }

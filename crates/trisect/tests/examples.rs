@@ -49,6 +49,18 @@ fn shadow_ray() {
 }
 
 #[test]
+fn all_hits() {
+    let expected = "";
+    assert_eq!(printed("all_hits"), expected);
+}
+
+#[test]
+fn inside() {
+    let expected = "";
+    assert_eq!(printed("inside"), expected);
+}
+
+#[test]
 fn moving_mesh() {
     let text = printed("moving_mesh");
     let heights: Vec<&str> = text.lines().filter_map(|line| line.split(' ').next_back()).collect();
