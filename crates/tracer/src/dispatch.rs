@@ -59,17 +59,11 @@ pub(crate) trait Traced: Send + Sync {
     /// The same for any hits.
     fn any_in_loop(&self, rays: &[Ray<f32>], order: &Order, found: &mut [bool]) -> bool;
 
-    /// Finds the nearest hit of one ray, in a loop that is compiled for the method; whether there is one, for this
-    /// processor. `found` is left as it is where the ray has nothing to find.
-    fn closest_one_in_loop(
-        &self,
-        culling: Culling,
-        ray: &Ray<f32>,
-        found: &mut Option<TriangleHit>,
-    ) -> bool;
+    /// The nearest hit of one ray, in a loop that is compiled for the method where there is one for this processor.
+    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit>;
 
     /// The same for any hit.
-    fn any_one_in_loop(&self, culling: Culling, ray: &Ray<f32>, found: &mut bool) -> bool;
+    fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool;
 }
 
 /// The nearest hit, in plain arithmetic.
@@ -116,28 +110,19 @@ pub(crate) fn any(
     });
 }
 
-/// The nearest hit of one ray.
-#[inline]
-pub(crate) fn closest_hit(
+/// The nearest hit of one ray, as of a batch.
+pub(crate) fn closest_of(
     traced: &dyn Traced,
     culling: Culling,
     ray: &Ray<f32>,
-) -> Option<TriangleHit> {
-    let mut found = None;
-    if !traced.closest_one_in_loop(culling, ray, &mut found) {
-        closest(traced, Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
-    }
-    found
+    found: &mut Option<TriangleHit>,
+) {
+    closest(traced, Tracing::Single, culling, from_ref(ray), from_mut(found));
 }
 
-/// Whether one ray hits anything.
-#[inline]
-pub(crate) fn any_hit(traced: &dyn Traced, culling: Culling, ray: &Ray<f32>) -> bool {
-    let mut found = false;
-    if !traced.any_one_in_loop(culling, ray, &mut found) {
-        any(traced, Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
-    }
-    found
+/// Whether one ray hits anything, as of a batch.
+pub(crate) fn any_of(traced: &dyn Traced, culling: Culling, ray: &Ray<f32>, found: &mut bool) {
+    any(traced, Tracing::Single, culling, from_ref(ray), from_mut(found));
 }
 
 /// Traces rays in plain arithmetic, by the calling thread.

@@ -6,7 +6,7 @@ use trisect_core::{Lanes, Ray};
 use trisect_method::{Culling, ExactMethod, Method, Refine};
 
 use crate::bvh::wide::WideTree;
-use crate::dispatch::Traced;
+use crate::dispatch::{self, Traced};
 use crate::hit::TriangleHit;
 use crate::lanes::on_fast_lanes;
 use crate::leaf::blocks::Blocks;
@@ -109,17 +109,20 @@ impl<M: Method, K: Queries<M>, const IN_LOOP: bool> Traced for TreeOf<M, K, IN_L
         self.trace(Any::<Promised<M>, Both>::new(Both), rays, order, found)
     }
 
-    fn closest_one_in_loop(
-        &self,
-        culling: Culling,
-        ray: &Ray<f32>,
-        found: &mut Option<TriangleHit>,
-    ) -> bool {
-        self.trace_one(K::closest::<Promised<M>, Culling>(culling), ray, found)
+    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
+        let mut found = None;
+        if !self.trace_one(K::closest::<Promised<M>, Culling>(culling), ray, &mut found) {
+            dispatch::closest_of(self, culling, ray, &mut found);
+        }
+        found
     }
 
-    fn any_one_in_loop(&self, culling: Culling, ray: &Ray<f32>, found: &mut bool) -> bool {
-        self.trace_one(Any::<Promised<M>, Culling>::new(culling), ray, found)
+    fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool {
+        let mut found = false;
+        if !self.trace_one(Any::<Promised<M>, Culling>::new(culling), ray, &mut found) {
+            dispatch::any_of(self, culling, ray, &mut found);
+        }
+        found
     }
 }
 

@@ -412,11 +412,11 @@ macro_rules! hits {
 
 impl<M: Method> Tree for Bvh<M> {
     fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
-        dispatch::closest_hit(&*self.traced, culling, ray)
+        self.traced.closest_hit(culling, ray)
     }
 
     fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool {
-        dispatch::any_hit(&*self.traced, culling, ray)
+        self.traced.any_hit(culling, ray)
     }
 
     queries!();

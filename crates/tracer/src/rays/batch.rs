@@ -240,6 +240,12 @@ impl<const N: usize> RayBatch<N> {
         self.tmax[index % N] = tmax;
     }
 
+    /// Whether a ray's interval begins at zero or later: not so at −0.
+    #[inline(always)]
+    pub(crate) fn is_ahead(&self, index: usize) -> bool {
+        self.tmin[index % N].to_bits() >> 31 == 0
+    }
+
     /// The octant of a ray.
     #[inline(always)]
     pub(crate) fn octant(&self, index: usize) -> Octant {

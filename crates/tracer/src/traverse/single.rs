@@ -73,7 +73,7 @@ impl<'a> Flight<'a, '_> {
         while lane < WIDTH {
             let (from, to) = if const { N == 1 } {
                 let (near, far) = rays.octant(self.ray).planes::<L>(token, node, lane);
-                slabs.cross::<Q::Boxes>(near, far, interval)
+                slabs.cross_alone::<Q::Boxes>(near, far, interval, rays.is_ahead(self.ray))
             } else {
                 let from = node.planes::<L>(token, [0; 3], lane);
                 let to = node.planes::<L>(token, [1; 3], lane);
@@ -90,16 +90,8 @@ impl<'a> Flight<'a, '_> {
     /// The child to visit next, the nearest first; `None` where the ray leaves the tree.
     #[inline(always)]
     fn nearest<const N: usize>(&mut self, rays: &RayBatch<N>) -> Option<u32> {
-        // A ray alone has nothing else to do meanwhile, so it guesses by branches what others wait for.
-        if const { N == 1 } && self.met & self.met.wrapping_sub(1) == 0 {
-            if self.met != 0 {
-                return Some(self.node.children[lowest(self.met)]);
-            }
-            let mut item = self.waiting.pop()?;
-            while stack::distance(item) > rays.tmax(self.ray) {
-                item = self.waiting.pop()?;
-            }
-            return Some(stack::item(item));
+        if const { N == 1 } {
+            return self.nearest_alone(rays.tmax(self.ray));
         }
         if self.met & self.met.wrapping_sub(1) != 0 {
             return Some(descend(&mut self.waiting, self.node, self.met, &self.distances));
@@ -115,6 +107,30 @@ impl<'a> Flight<'a, '_> {
             item = self.waiting.pop()?;
         }
         Some(stack::item(item))
+    }
+
+    /// The same for a ray that goes alone, which ends at `tmax`: it has nothing else to do meanwhile, so it guesses by
+    /// branches what others wait for.
+    #[inline(always)]
+    fn nearest_alone(&mut self, tmax: f32) -> Option<u32> {
+        let rest = self.met & self.met.wrapping_sub(1);
+        if self.met == 0 {
+            let mut item = self.waiting.pop()?;
+            while stack::distance(item) > tmax {
+                item = self.waiting.pop()?;
+            }
+            Some(stack::item(item))
+        } else if rest == 0 {
+            Some(self.node.children[lowest(self.met)])
+        } else if rest.is_power_of_two() {
+            let first = item(self.node, &self.distances, lowest(self.met));
+            let second = item(self.node, &self.distances, lowest(rest));
+            let (near, far) = in_order(first, second);
+            self.waiting.push(far);
+            Some(stack::item(near))
+        } else {
+            Some(descend(&mut self.waiting, self.node, self.met, &self.distances))
+        }
     }
 
     /// The same where any order will do: that of the lanes, see the builder. All children that are left of a node
@@ -213,8 +229,11 @@ pub(crate) fn singly<'a, A: Target<'a, Q>, L: Lanes<Elem = f32>, Q: Query>(
     }
 }
 
-/// So many children may wait in the room of one ray, where its tree needs no more: seventeen nodes deep, of which
-/// trees of millions of triangles have eleven.
+/// So many items may wait in the room of one ray, where any hit will do.
+const LEAST_ROOM: usize = 32;
+
+/// So many in that of others, where the tree is not more than seventeen nodes deep; trees of millions of triangles
+/// are eleven.
 const ROOM: usize = 128;
 
 /// The same for any tree: builders halve what is below a depth of 48, so none is 145 deep.
@@ -246,9 +265,13 @@ pub(crate) fn one<'a, A: Target<'a, Q, 1, Seed = ()>, L: Lanes<Elem = f32>, Q: Q
         return;
     }
     let mut work = Work { rays, hits: A::hits(()) };
-    let (mut few, mut many);
-    let room = stack::room(tree.depth);
-    flight.waiting = Stack::new(if room <= ROOM {
+    let (mut least, mut few, mut many);
+    // Where any hit will do, one item waits for each node on the way.
+    let room = if Q::ANY { tree.depth + 1 } else { stack::room(tree.depth) };
+    flight.waiting = Stack::new(if room <= LEAST_ROOM {
+        least = [0; LEAST_ROOM];
+        &mut least[..]
+    } else if room <= ROOM {
         few = [0; ROOM];
         &mut few[..]
     } else {
