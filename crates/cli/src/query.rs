@@ -80,7 +80,7 @@ struct AllLine {
 #[derive(Serialize)]
 struct CountLine {
     ray: usize,
-    hits: u32,
+    count: u32,
 }
 
 #[derive(Serialize)]
@@ -225,7 +225,7 @@ fn many(arguments: &Query, option: &str) -> Result<()> {
     if arguments.count {
         let mut counts = vec![0; rays.len()];
         build()?.count_of(tracing, culling, crossings, &rays, &mut counts);
-        return print(counts.into_iter().enumerate().map(|(ray, hits)| CountLine { ray, hits }));
+        return print(counts.into_iter().enumerate().map(|(ray, count)| CountLine { ray, count }));
     }
     let mut all = AllHits::default();
     build()?.all_of(tracing, culling, crossings, &rays, &mut all);
