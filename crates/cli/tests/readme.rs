@@ -29,7 +29,7 @@ fn documents_are_spliced_from_their_record() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let folder = root.join("reports/2026-11-28-zen5");
     for (record, documents) in [
-        ("record", &["docs/METHODS.md", "docs/HAVEL.md", "docs/NEEDS.md"][..]),
+        ("record", &["docs/METHODS.md", "docs/HAVEL.md"][..]),
         ("stress", &["docs/STABILITY.md", "docs/CONTRACT.md"]),
         ("study", &["docs/TRACER.md"]),
         ("pictures", &["docs/PICTURES.md"]),

@@ -149,8 +149,8 @@ fn the_pages_of_a_report_lead_to_each_other() {
     let text = read(&page.index);
     assert!(text.contains("<a href=\"index.html\">") && !text.contains("stress.html"));
     assert!(!text.contains("Left out"), "the record holds everything");
-    // Four figures, wide and narrow.
-    assert_eq!(page.figures.len(), 8);
+    // Three figures, wide and narrow.
+    assert_eq!(page.figures.len(), 6);
     for figure in &page.figures {
         roxmltree::Document::parse(&read(figure)).expect("a figure is XML");
     }

@@ -350,9 +350,6 @@ fn rated_trees<'a>(view: &View<'a>, scenes: usize) -> Vec<Rated<'a>> {
 /// variant that gives what is asked. A watertight one is so in plain arithmetic and by numerators,
 /// but for one that is exact, in any.
 fn rated_loops<'a>(view: &View<'a>) -> Vec<Rated<'a>> {
-    let refused = |method: &str| {
-        view.all::<Refusal>().any(|r| r.method == method && r.precision == FloatFormat::F32)
-    };
     let rated = |method: &'a str| {
         let facts = view.fact(method)?;
         let is_bound = PROMISES[2].1(facts) && !PROMISES[3].1(facts);
@@ -362,6 +359,7 @@ fn rated_loops<'a>(view: &View<'a>) -> Vec<Rated<'a>> {
                     && v.precision == FloatFormat::F32
                     && v.arrangement == Arrangement::OneRay
                     && gives(v.needs, asked)
+                    && !view.is_refused(v)
                     && (!is_bound
                         || (v.arithmetic == MultiplyAdd::Plain && v.division == Form::Deferred))
             };
@@ -377,7 +375,7 @@ fn rated_loops<'a>(view: &View<'a>) -> Vec<Rated<'a>> {
             .into_iter()
             .filter_map(of)
             .collect();
-        (!refused(method) && !speeds.is_empty()).then_some((method, speeds))
+        (!speeds.is_empty()).then_some((method, speeds))
     };
     view.methods().iter().filter_map(|method| rated(method)).collect()
 }

@@ -108,7 +108,7 @@ fn pareto(view: &View) -> Section {
             Series::front(front.iter().map(|&place| at[place]).collect()),
         ];
         series.extend(told);
-        let across = shown.iter().map(|p| p.ns_per_test);
+        let across = at.iter().map(|at| at.0);
         let across = Axis::over("ns per test", Scale::Log, across, tick);
         let up = Axis::over("error of t, p99", Scale::Log, at.iter().map(|at| at.1), tick);
         let panel = Plane { labels, ..Plane::new(precision.name(), across, up, 360, series) };

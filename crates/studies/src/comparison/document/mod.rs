@@ -4,7 +4,6 @@ mod answers;
 mod compare;
 pub(crate) mod figures;
 mod havel;
-mod needs;
 mod rank;
 mod sections;
 pub(crate) mod summary;

@@ -7,7 +7,7 @@ use trisect_method::Output;
 
 use super::answers::Answers;
 use super::view::{BASELINE, View, finish_label, lanes_label};
-use super::{figures, havel, needs};
+use super::{figures, havel};
 use crate::lines::source;
 use trisect_report::document::{Content, Document, Section, Shown};
 use trisect_report::format::{fixed, grouped, mtests, number, scientific};
@@ -31,7 +31,6 @@ pub(crate) fn document(records: &Records) -> Document {
     ]);
     sections.push(costs(view));
     sections.extend(havel::sections(view));
-    sections.extend(needs::sections(view));
     Document {
         title: "Ray–triangle intersection, measured",
         heading: "Ray–triangle intersection, measured",

@@ -33,10 +33,11 @@ pub struct FrontPoint {
 }
 
 /// A point for each variant that computes values of its own, fastest first, and the workloads of all: of
-/// variants that differ only in arrangement and early-out, the fastest.
+/// variants that differ only in arrangement and early-out, the fastest; none of what does not take every
+/// workload.
 pub(crate) fn plane<'a>(view: &View<'a>) -> (Vec<FrontPoint>, Vec<&'a str>) {
     let Some(need) = view.main_need() else { return (Vec::new(), Vec::new()) };
-    let comparable = view.comparable(|v| v.needs == need);
+    let comparable = view.comparable(|v| v.needs == need && !view.is_refused(v));
     let mut seen = HashSet::new();
     let fastest = comparable.scores().into_iter().filter(|(v, _)| {
         let values = Variant { arrangement: Arrangement::OneRay, early_out: false, ..(*v).clone() };

@@ -3,7 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::comparison::record::{
-    Cracks, Decisions, Error, Family, MethodFacts, Preparation, Quantiles, Throughput, Workload,
+    Cracks, Decisions, Error, Family, MethodFacts, Preparation, Quantiles, Refusal, Throughput,
+    Workload,
 };
 use crate::record::{LineKind, Records, Variant};
 use trisect_core::{FloatFormat, MultiplyAdd};
@@ -237,6 +238,12 @@ impl<'a> View<'a> {
             .collect();
         let left_out = asked.len() - entries.len();
         Comparable { workloads, entries, left_out }
+    }
+
+    /// Whether the variant's method does not take some workload.
+    pub(crate) fn is_refused(&self, v: &Variant) -> bool {
+        let mut refusals = self.all::<Refusal>();
+        refusals.any(|r| r.method == v.method && r.precision == v.precision)
     }
 
     /// Nanoseconds per test of one variant on one workload.

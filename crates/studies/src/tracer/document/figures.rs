@@ -2,21 +2,20 @@
 
 use crate::tracer::record::{Contest, Traced, TreeBuilt};
 
-use super::select::{classes, faster, is_through, middle, scenes, speed, traced, trees};
+use super::select::{faster, is_through, middle, scenes, speed, traced, trees};
 use super::summary::{StudyRow, StudySummary, gains};
 use crate::comparison::document::view::{BASELINE, View};
 use crate::lines::distinct;
 use trisect_report::document::Section;
 use trisect_report::figure::{
-    Axis, Drawing, Entry, Group, Ink, Look, Mark, Panel, Plane, Row, Sample, Scale, Series, Shape,
-    points,
+    Axis, Drawing, Entry, Ink, Look, Panel, Plane, Sample, Scale, Series, points,
 };
-use trisect_report::format::{number, ratio, tick};
+use trisect_report::format::{ratio, tick};
 use trisect_report::stats::geometric_mean;
 
 /// All figures, in the order of the page.
-pub(super) fn all(view: &View, summary: &StudySummary) -> [Section; 4] {
-    [gain(view, summary), methods(view, summary), builders(view), threads(view)]
+pub(super) fn all(view: &View, summary: &StudySummary) -> [Section; 3] {
+    [gain(view, summary), builders(view), threads(view)]
 }
 
 const NOTHING_TRACED: &str =
@@ -79,41 +78,6 @@ fn gain(view: &View, summary: &StudySummary) -> Section {
     let panels = [("Single rays", "single"), ("Packets", "packets")].into_iter().filter_map(panel);
     let drawing = Drawing { panels: panels.collect(), legend, key: Vec::new() };
     Section::figure("study-gain", "What is left of a kernel's gain", caption, drawing)
-        .missing(NOTHING_TRACED)
-}
-
-fn methods(view: &View, summary: &StudySummary) -> Section {
-    let panel = |class: &str| {
-        let both = |row: &StudyRow| -> Vec<(f64, bool)> {
-            let both = [(row.single.get(class), true), (row.packets.get(class), false)];
-            both.into_iter().filter_map(|(at, filled)| Some((*at?, filled))).collect()
-        };
-        let mut shown: Vec<(&StudyRow, Vec<(f64, bool)>)> =
-            summary.rows.iter().map(|row| (row, both(row))).collect();
-        shown.retain(|(_, marks)| !marks.is_empty());
-        let best = |marks: &[(f64, bool)]| marks.iter().map(|m| m.0).fold(0.0, f64::max);
-        shown.sort_by(|a, b| best(&b.1).total_cmp(&best(&a.1)));
-        let values = shown.iter().flat_map(|(_, marks)| marks).map(|m| m.0).chain([0.0]);
-        let axis = Axis::over("million rays per second", Scale::Linear, values, tick);
-        let row = |(row, marks): &(&StudyRow, Vec<(f64, bool)>)| {
-            let point =
-                |&(at, filled): &(f64, bool)| Mark::Point { at, shape: Shape::Circle, filled };
-            Row {
-                label: row.method.clone(),
-                ink: view.look(&row.method).ink,
-                marks: marks.iter().map(point).collect(),
-                note: marks.first().map_or_else(String::new, |m| number(m.0)),
-            }
-        };
-        let heading = if class == "occlusion" { "any hit" } else { "closest hit" };
-        let group = Group { heading: heading.into(), rows: shown.iter().map(row).collect() };
-        (!shown.is_empty()).then(|| Panel::rows(class, axis, None, vec![group]))
-    };
-    let caption = "Million rays per second on one thread, geometric mean over scenes of the median over \
-                   rounds. Filled, with its number: single rays; hollow: packets. The faster of the two \
-                   decides the order.";
-    let drawing = Drawing::of(classes(view).into_iter().filter_map(panel).collect());
-    Section::figure("study-methods", "Speed of every method by class of rays", caption, drawing)
         .missing(NOTHING_TRACED)
 }
 
