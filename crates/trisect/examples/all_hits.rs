@@ -8,7 +8,8 @@ fn main() -> Result<(), trisect::SceneError> {
         let ray = Ray::new([x, 0.5, 9.0], [0.0, 0.0, -1.0]);
         // Of triangles that share the edge that a ray meets, one owns the crossing.
         scene.crossings(Crossings::Owned).all(&ray, &mut hits);
-        let inside: f32 = hits.chunks_exact(2).map(|pair| pair[1].t - pair[0].t).sum();
+        let lengths = hits.chunks_exact(2).map(|pair| pair[1].t - pair[0].t);
+        let inside = lengths.fold(0.0, |sum, length| sum + length);
         println!("x = {x}: {} crossings, {inside} of the ray inside", hits.len());
     }
     Ok(())

@@ -3,8 +3,8 @@ use trisect::Scene;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Scene::open("data/scenes/block.obj")?;
-    for x in [0.0, 0.5, 1.0] {
-        println!("(0, 0, {x}): {:?}", scene.contains([0.0, 0.0, x])?);
+    for y in [0.5, 1.0, 1.5] {
+        println!("(0, {y}, 0): {:?}", scene.contains([0.0, y, 0.0])?);
     }
     Ok(())
 }

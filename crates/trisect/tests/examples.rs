@@ -50,13 +50,21 @@ fn shadow_ray() {
 
 #[test]
 fn all_hits() {
-    let expected = "";
+    let expected = "\
+x = -0.25: 2 crossings, 1 of the ray inside
+x = 0.25: 2 crossings, 1 of the ray inside
+x = 2.5: 0 crossings, 0 of the ray inside
+";
     assert_eq!(printed("all_hits"), expected);
 }
 
 #[test]
 fn inside() {
-    let expected = "";
+    let expected = "\
+(0, 0.5, 0): Inside
+(0, 1, 0): On
+(0, 1.5, 0): Outside
+";
     assert_eq!(printed("inside"), expected);
 }
 
