@@ -78,7 +78,7 @@ fn rays_are_traced_and_their_hits_are_written() {
 fn methods_are_recommended_in_a_tree_and_for_every_triangle() {
     let folder = Folder::new();
     let bunny = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/meshes/bunny.ply");
-    let recommend = format!("recommend --mesh {bunny} --rounds 2");
+    let recommend = format!("recommend --mesh {bunny} --rounds 3");
     let run = folder.trisect(&format!("{recommend} --json"), b"");
     assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
     let found: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON");
