@@ -116,7 +116,7 @@ fn methods_are_recommended_in_a_tree_and_for_every_triangle() {
     let of_all = [answers("trees"), answers("loops")].concat();
     assert!(of_all.iter().all(|answer| refused.iter().all(|r| r["method"] != answer["method"])));
     let rust = found["rust"].as_str().expect("lines of Rust");
-    assert!(rust.lines().count() == 6 && rust.contains("Bvh::<Method>::build"), "{rust}");
+    assert!(rust.lines().count() == 6 && rust.contains("Scene::options()."), "{rust}");
 
     let text = folder.trisect(&recommend, b"").stdout;
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");

@@ -137,14 +137,22 @@ impl Recommendation {
 fn rust(answers: &Answers) -> String {
     let right = answers.trees.iter().find(|answer| answer.wrong_per_million == Some(0.0));
     let method = right.map_or("exact", |answer| &answer.method);
-    let method = find(method).map_or("", |entry| &entry.type_name);
+    let own = ["exact()", "fast()", "watertight()"];
+    let own = trisect::trees::NAMES.into_iter().zip(own).find(|(name, _)| *name == method);
+    let option = own.map_or_else(
+        || {
+            let name = find(method).map_or("", |entry| &entry.type_name);
+            format!("with_method::<{name}>()")
+        },
+        |(_, option)| option.to_owned(),
+    );
     format!(
-        "use trisect_tracer::{{Builder, Bvh, Tracing, Tree}};
-type Method = {method};
-let tree = Bvh::<Method>::build(&triangles, Builder::default())?;
-let mut hits = vec![None; rays.len()];
-tree.closest(Tracing::Single, trisect_method::Culling::None, &rays, &mut hits);
-// Of each ray none, or the triangle's number and its hit's t, beta and gamma.
+        "use trisect::{{Ray, Scene}};
+let scene = Scene::options().{option}.open(path)?;
+let ray = Ray::new([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);
+let hit = scene.first(&ray); // none, or its triangle, t, alpha, beta and gamma
+let is_hit = scene.any(&ray);
+// Scene::first_of and any_of take many rays.
 "
     )
 }
