@@ -10,7 +10,7 @@ use trisect_method::{
 /// How far the sum of the angles may seem to be off, in units of roundoff.
 const TOLERANCE: f64 = 32.0;
 
-/// Sum of angles, Havel 2008.
+/// Sum of angles, a common method, as Havel 2008 describes it.
 pub struct AngleSum;
 
 impl Method for AngleSum {
@@ -18,8 +18,9 @@ impl Method for AngleSum {
         name: "angle-sum",
         title: "Angle sum",
         year: 2008,
-        source: "J. Havel: Ray Tracing on Modern Processors. Master's thesis, Brno University of \
-                 Technology, 2008, section 3.4.4.1",
+        source: "Common; described by J. Havel: Rychlý výpočet průsečíku paprsku s trojúhelníkem \
+                 (Fast Ray-Triangle Intersection). Master's thesis, Brno University of Technology, \
+                 2008, section 3.4.4.1",
         input: Input::Points,
         outputs: Output::FLAG_T_AND_NORMAL,
         forms: Forms::Early,

@@ -6,7 +6,7 @@ use trisect_method::{
     Corners, Given, Homogeneous, Input, Method, MethodInfo, Of, Output, Quotients,
 };
 
-/// Half-spaces at right angles to the triangle, Havel 2008.
+/// Half-spaces at right angles to the triangle, a common method, as Havel 2008 describes it.
 pub struct HalfSpaces;
 
 /// A point `(weight·o + t·d) / weight` of the plane with normal `n`.
@@ -39,8 +39,9 @@ impl Method for HalfSpaces {
         name: "half-spaces",
         title: "Perpendicular half-spaces",
         year: 2008,
-        source: "J. Havel: Ray Tracing on Modern Processors. Master's thesis, Brno University of \
-                 Technology, 2008, section 3.4.4.2",
+        source: "Common; described by J. Havel: Rychlý výpočet průsečíku paprsku s trojúhelníkem \
+                 (Fast Ray-Triangle Intersection). Master's thesis, Brno University of Technology, \
+                 2008, section 3.4.4.2",
         input: Input::Points,
         outputs: Output::FLAG_T_AND_NORMAL,
         ..MethodInfo::USUAL

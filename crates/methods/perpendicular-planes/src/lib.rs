@@ -21,8 +21,8 @@ impl<F: Frame> Method for PerpendicularPlanes<F> {
             "Perpendicular planes"
         },
         year: 2008,
-        source: "J. Havel: Ray Tracing on Modern Processors. Master's thesis, Brno University of \
-                 Technology, 2008, section 3.5",
+        source: "J. Havel: Rychlý výpočet průsečíku paprsku s trojúhelníkem (Fast Ray-Triangle \
+                 Intersection). Master's thesis, Brno University of Technology, 2008, section 3.5",
         outputs: Output::ALL,
         forms: Forms::Early,
         ..MethodInfo::USUAL

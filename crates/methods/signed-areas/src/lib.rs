@@ -6,7 +6,7 @@ use trisect_method::{
     Corners, Given, Homogeneous, Input, Method, MethodInfo, Of, Output, Quotients,
 };
 
-/// Signed areas, Havel 2008.
+/// Signed areas, a common method, as Havel 2008 describes it.
 pub struct SignedAreas;
 
 /// A point `(weight·o + t·d) / weight` of the plane with normal `n`.
@@ -37,8 +37,9 @@ impl Method for SignedAreas {
         name: "signed-areas",
         title: "Signed areas",
         year: 2008,
-        source: "J. Havel: Ray Tracing on Modern Processors. Master's thesis, Brno University of \
-                 Technology, 2008, section 3.4.4.3",
+        source: "Common; described by J. Havel: Rychlý výpočet průsečíku paprsku s trojúhelníkem \
+                 (Fast Ray-Triangle Intersection). Master's thesis, Brno University of Technology, \
+                 2008, section 3.4.4.3",
         input: Input::Points,
         outputs: Output::ALL,
         ..MethodInfo::USUAL

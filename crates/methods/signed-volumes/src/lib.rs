@@ -13,8 +13,7 @@ impl Method for SignedVolumes {
         title: "Signed volumes",
         year: 2005,
         source: "A. Lagae, P. Dutré: An Efficient Ray-Quadrilateral Intersection Test. Journal of \
-                 Graphics Tools 10(4), 2005; J. Havel: Ray Tracing on Modern Processors, 2008, \
-                 section 3.4",
+                 Graphics Tools 10(4), 2005",
         input: Input::Points,
         outputs: Output::ALL,
         ..MethodInfo::USUAL
