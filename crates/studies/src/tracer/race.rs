@@ -98,7 +98,7 @@ impl<'a> Contender<'a> {
         Self { tracing: Tracing::Plain, ray_by_ray: false, samples_ns, ..*self }
     }
 
-    /// The same with one call of the tree for each ray.
+    /// The same with one call of the tree for each ray, which traces it singly.
     pub(super) fn ray_by_ray(self) -> Self {
         Self { ray_by_ray: true, ..self }
     }
@@ -118,20 +118,20 @@ impl<'a> Contender<'a> {
     /// Traces a slice of the rays; how long that took.
     fn turn(&self, class: &ClassOfRays, slice: Range<usize>, places: &mut Places) -> Spent {
         let rays = &class.rays[slice.clone()];
-        let chunk = if self.ray_by_ray { 1 } else { rays.len() };
         let (tree, tracing) = (self.tree, self.tracing);
-        // The one place where rays are traced that come singly: a call for a single ray belongs here.
         let work = || match places {
-            Places::Closest(found) => {
-                for (rays, found) in rays.chunks(chunk).zip(found[slice].chunks_mut(chunk)) {
-                    tree.closest(tracing, Culling::None, rays, found);
+            Places::Closest(found) if self.ray_by_ray => {
+                for (ray, found) in rays.iter().zip(&mut found[slice]) {
+                    *found = tree.closest_hit(Culling::None, ray);
                 }
             }
-            Places::Any(found) => {
-                for (rays, found) in rays.chunks(chunk).zip(found[slice].chunks_mut(chunk)) {
-                    tree.any(tracing, Culling::None, rays, found);
+            Places::Any(found) if self.ray_by_ray => {
+                for (ray, found) in rays.iter().zip(&mut found[slice]) {
+                    *found = tree.any_hit(Culling::None, ray);
                 }
             }
+            Places::Closest(found) => tree.closest(tracing, Culling::None, rays, &mut found[slice]),
+            Places::Any(found) => tree.any(tracing, Culling::None, rays, &mut found[slice]),
         };
         self.pool.install(|| timed(work)).1
     }
