@@ -6,7 +6,7 @@ use trisect_catalog::{Finder, Scene};
 use trisect_core::{Hit, Vec3};
 use trisect_method::{Culling, Output};
 
-use crate::comparison::{ClassCount, Quantiles};
+use crate::comparison::record::{ClassCount, Quantiles};
 use crate::subject::{Judged, Truth};
 use crate::timing::Expected;
 

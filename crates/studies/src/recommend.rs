@@ -12,15 +12,18 @@ use trisect_mesh::Mesh;
 use trisect_method::Culling;
 use trisect_report::document::{Content, Document, Section, Shown};
 
+use crate::comparison::document::answers::Answers;
 use crate::comparison::document::view::View;
-use crate::comparison::{Answers, Family, Refusal, Task, Timed, compare};
+use crate::comparison::measure::compare;
+use crate::comparison::record::{Family, Refusal};
+use crate::comparison::tasks::{Task, Timed};
 use crate::kernels::reference;
 use crate::lines::source;
 use crate::noise::Noise;
 use crate::record::Records;
 use crate::study::{Progress, StudyError, Taken};
 use crate::subject::Inputs;
-use crate::tracer::{both_classes, together};
+use crate::tracer::together::{both_classes, together};
 
 /// Rays that kernels are held to the truth on, at most: more where triangles are few.
 const RAYS: [usize; 2] = [256, 4096];

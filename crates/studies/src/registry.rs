@@ -6,7 +6,7 @@ use std::path::Path;
 
 use flate2::bufread::MultiGzDecoder;
 
-use crate::comparison::Comparison;
+use crate::comparison::settings::Comparison;
 use crate::record::{Parser, ReadError, Records};
 use crate::study::{Chapter, Study};
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use trisect_core::{Float, FloatFormat, Hit, Ray, Triangle};
 use trisect_oracle::{Class, Oracle};
 
-use crate::comparison::{Family, Workload};
+use crate::comparison::record::{Family, Workload};
 
 /// Rays and triangles, as the kernels of each precision get them.
 #[derive(Clone, Debug, Default)]

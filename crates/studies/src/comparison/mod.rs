@@ -1,22 +1,20 @@
 //! The comparison: error against run time of every method on ordinary rays.
 
 pub(crate) mod document;
-mod measure;
+pub(crate) mod measure;
 pub(crate) mod record;
-mod settings;
-mod tasks;
+pub(crate) mod settings;
+pub(crate) mod tasks;
 
 use std::fmt::Display;
 
 use rand::SeedableRng as _;
 use rand_pcg::Pcg64;
-use trisect_catalog::Entry;
-use trisect_mesh::Mesh;
 use trisect_report::document::Document;
 
 use crate::record::Records;
 use crate::study::{About, Run, Study, StudyError};
-use crate::tracer::{both_classes, together};
+use crate::tracer::together::{both_classes, together};
 
 pub use document::{
     Answer, Answers, ComparedVariant, ErrorDifference, Filter, FrontPoint, Ranked, Ranking,
@@ -27,22 +25,11 @@ pub use record::{
     Agreement, ClassCount, Cracks, Decisions, Error, Family, MethodCount, MethodFacts, PartCost,
     Preparation, Quantiles, Refusal, Throughput, Workload,
 };
-pub use settings::Settings;
+pub use settings::{Comparison, Settings};
 pub use tasks::{Task, Timed, verification};
-
-pub(crate) use tasks::timing;
 
 /// Rounds in which trees go in turn, at least: rays are timed in a fraction of the time of the kernels.
 const TREE_ROUNDS: usize = 9;
-
-/// A comparison, its input read.
-pub struct Comparison {
-    seed: u64,
-    rounds: usize,
-    full: bool,
-    methods: Vec<&'static Entry>,
-    meshes: Vec<Mesh>,
-}
 
 impl Study for Comparison {
     const ABOUT: About = About {

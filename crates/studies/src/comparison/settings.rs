@@ -3,9 +3,9 @@
 use std::fmt::Display;
 
 use clap::Args;
+use trisect_catalog::Entry;
 use trisect_mesh::Mesh;
 
-use super::Comparison;
 use crate::input::{MOVE, Subjects, methods};
 use crate::study::StudyError;
 
@@ -21,6 +21,15 @@ pub struct Settings {
     /// Samples of each variant [default: 5, or 15 with --full]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: Option<u32>,
+}
+
+/// A comparison, its input read.
+pub struct Comparison {
+    pub(super) seed: u64,
+    pub(super) rounds: usize,
+    pub(super) full: bool,
+    pub(super) methods: Vec<&'static Entry>,
+    pub(super) meshes: Vec<Mesh>,
 }
 
 impl Settings {

@@ -8,7 +8,7 @@ use trisect_method::{Forms, Output, ReciprocalKind, UnsuitableMesh};
 
 use super::measure::{Leaving, Subject, in_turn};
 use super::record::{Layer, Omission};
-use crate::comparison::Family;
+use crate::comparison::record::Family;
 use crate::kernels::Group;
 use crate::subject::{self, Inputs};
 use crate::timing::WrongAnswer;

@@ -15,7 +15,7 @@ use super::record::{Layer, Omission};
 use crate::kernels::{REFERENCE, reference};
 use crate::study::{StudyError, pool};
 use crate::timing::WrongAnswer;
-use crate::tracer::{ClassOfRays, classes_of_rays};
+use crate::tracer::rays::{ClassOfRays, classes_of_rays};
 
 /// Rays through a tree in some way.
 struct Contender<'a> {

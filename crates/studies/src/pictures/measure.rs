@@ -17,13 +17,13 @@ use trisect_render::{
 };
 use trisect_scene::Scene;
 
-use super::Pictures;
 use super::record::{FrameSeries, Frames, Picture};
+use super::settings::Pictures;
 use crate::kernels::{REFERENCE, reference};
 use crate::study::{Run, StudyError, pool};
 use crate::timing::middle;
 use crate::timing::{self, WrongAnswer, nanoseconds};
-use crate::tracer::thread_counts;
+use crate::tracer::measure::thread_counts;
 
 /// The scene that is timed.
 const MIRROR: &str = "scenes/mirror.toml";

@@ -1,8 +1,8 @@
 //! What the study of pictures can be asked for.
 
 use clap::Args;
+use trisect_catalog::Entry;
 
-use super::Pictures;
 use crate::input::methods;
 use crate::study::{StudyError, threads};
 
@@ -28,6 +28,29 @@ pub struct Settings {
     /// Threads, at most; all processors if left out
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+}
+
+/// What is studied, and how long.
+pub struct Pictures {
+    /// Seed of the order of samples.
+    pub seed: u64,
+    /// The methods that the last technique, the choice of the kernel, is among.
+    pub methods: Vec<&'static Entry>,
+    /// Pictures of each kind that are timed.
+    pub rounds: usize,
+    /// Threads, at most.
+    pub threads: usize,
+    /// The height of the largest pictures, 1080 for all.
+    pub largest: u32,
+    /// What the sides of all pictures are divided by, at least 1.
+    pub shrink: u32,
+}
+
+impl Pictures {
+    /// A size as it is asked for.
+    pub(super) fn size(&self, full: [u32; 2]) -> [u32; 2] {
+        full.map(|side| (side / self.shrink).max(1))
+    }
 }
 
 impl Settings {

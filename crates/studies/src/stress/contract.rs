@@ -12,9 +12,9 @@ use trisect_core::{Float, Hit, Precision, Ray, Scalar, Triangle, Vec3};
 use trisect_method::{Culling, Form, ReciprocalKind};
 use trisect_oracle::{Class, Oracle};
 
-use super::Stability;
 use super::measure::{Compiled, flushing_variant, weighs};
 use super::record::{Clause, Contract, Outcome, SpecialValues};
+use super::settings::Stability;
 use crate::record::Line;
 use crate::study::Progress;
 

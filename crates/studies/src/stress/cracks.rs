@@ -8,9 +8,9 @@ use trisect_core::{MultiplyAdd, Ray, Triangle, Vec3};
 use trisect_method::{Culling, Form};
 use trisect_workloads::{Aim, Feature, Placement, Surface};
 
-use super::Stability;
 use super::measure::{Compiled, finders};
 use super::record::{Site, SurfaceCracks};
+use super::settings::Stability;
 use crate::record::Line;
 use crate::study::Progress;
 

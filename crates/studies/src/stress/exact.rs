@@ -13,10 +13,10 @@ use trisect_method::Culling;
 use trisect_oracle::Oracle;
 use trisect_workloads::{Aim, Feature, Mesh, Placement, Stress, Surface, diffuse_bounce, primary};
 
-use super::Stability;
 use super::contract::hostile_scene;
 use super::measure::Compiled;
 use super::record::{ExactCounts, Exactness, Stages};
+use super::settings::Stability;
 use crate::record::Line;
 use crate::study::Progress;
 

@@ -7,10 +7,10 @@ use trisect_catalog::{Entry, Finder};
 use trisect_core::MultiplyAdd;
 use trisect_workloads::Stress;
 
-use super::Stability;
 use super::measure::{Compiled, finders, weighs};
 use super::pairs::TruePair;
 use super::record::Limits;
+use super::settings::Stability;
 use crate::record::Line;
 use crate::study::Progress;
 

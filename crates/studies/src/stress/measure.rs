@@ -6,9 +6,9 @@ use trisect_core::{Float, FloatFormat, MultiplyAdd, Precision};
 use trisect_method::{Form, Output, ReciprocalKind};
 use trisect_workloads::Stress;
 
-use super::Stability;
 use super::pairs::{self, TruePair, difference, score};
 use super::record::Spread;
+use super::settings::Stability;
 use crate::answers::quantiles;
 use crate::record::{Line, Variant};
 use crate::study::Progress;

@@ -12,10 +12,10 @@ mod settings;
 
 use std::fmt::Display;
 
-use trisect_catalog::Entry;
 use trisect_report::document::Document;
 
-use crate::comparison::{compare, timing};
+use crate::comparison::measure::compare;
+use crate::comparison::tasks::timing;
 use crate::record::Records;
 use crate::study::{About, Run, Study, StudyError};
 
@@ -26,46 +26,7 @@ pub use record::{
     Bin, ByCondition, Clause, Contract, Errors, ExactCounts, Exactness, FusedDifference, Limits,
     Outcome, Site, SpecialValues, Spread, Stages, StressFamily, StressLevel, SurfaceCracks,
 };
-pub use settings::Settings;
-
-/// How much is studied; a part with nothing to do is left out.
-pub struct Stability {
-    /// Seed of everything.
-    pub seed: u64,
-    /// The methods.
-    pub methods: Vec<&'static Entry>,
-    /// Samples of each kernel; without any, none is timed.
-    pub rounds: usize,
-    /// Pairs at each level of each family.
-    pub pairs: usize,
-    /// Pairs that must be right within the limits.
-    pub probes: usize,
-    /// Rays at each place of each closed surface, aimed at edges, and again at vertices.
-    pub crack_rays: usize,
-    /// The same in all for a form that claims to be watertight, at the offsets 0, 10³ and 10⁶.
-    pub watertight_rays: usize,
-    /// Tests of random bits and of other hostile input, over all methods and kernels.
-    pub fuzz: u64,
-    /// Tests of the methods that claim to be exact, against the oracle.
-    pub exact: u64,
-}
-
-impl Stability {
-    /// Nothing, to be filled in.
-    pub fn nothing(seed: u64, methods: Vec<&'static Entry>) -> Self {
-        Self {
-            seed,
-            methods,
-            rounds: 0,
-            pairs: 0,
-            probes: 0,
-            crack_rays: 0,
-            watertight_rays: 0,
-            fuzz: 0,
-            exact: 0,
-        }
-    }
-}
+pub use settings::{Settings, Stability};
 
 impl Study for Stability {
     const ABOUT: About = About {

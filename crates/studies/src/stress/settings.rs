@@ -1,8 +1,8 @@
 //! What the stability study can be asked for.
 
 use clap::Args;
+use trisect_catalog::Entry;
 
-use super::Stability;
 use crate::input::{count, methods};
 use crate::study::StudyError;
 
@@ -27,6 +27,45 @@ pub struct Settings {
     /// Nothing but N tests of methods that claim to be exact, against the oracle: no report
     #[arg(long, value_name = "N", value_parser = count, conflicts_with_all = ["quick", "fuzz"])]
     pub exact: Option<u64>,
+}
+
+/// How much is studied; a part with nothing to do is left out.
+pub struct Stability {
+    /// Seed of everything.
+    pub seed: u64,
+    /// The methods.
+    pub methods: Vec<&'static Entry>,
+    /// Samples of each kernel; without any, none is timed.
+    pub rounds: usize,
+    /// Pairs at each level of each family.
+    pub pairs: usize,
+    /// Pairs that must be right within the limits.
+    pub probes: usize,
+    /// Rays at each place of each closed surface, aimed at edges, and again at vertices.
+    pub crack_rays: usize,
+    /// The same in all for a form that claims to be watertight, at the offsets 0, 10³ and 10⁶.
+    pub watertight_rays: usize,
+    /// Tests of random bits and of other hostile input, over all methods and kernels.
+    pub fuzz: u64,
+    /// Tests of the methods that claim to be exact, against the oracle.
+    pub exact: u64,
+}
+
+impl Stability {
+    /// Nothing, to be filled in.
+    pub fn nothing(seed: u64, methods: Vec<&'static Entry>) -> Self {
+        Self {
+            seed,
+            methods,
+            rounds: 0,
+            pairs: 0,
+            probes: 0,
+            crack_rays: 0,
+            watertight_rays: 0,
+            fuzz: 0,
+            exact: 0,
+        }
+    }
 }
 
 impl Settings {

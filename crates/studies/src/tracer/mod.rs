@@ -1,12 +1,12 @@
 //! The study of the tracer: what a method, a builder or a thread is worth where rays are traced.
 
 mod document;
-mod measure;
+pub(crate) mod measure;
 mod race;
-mod rays;
-mod record;
+pub(crate) mod rays;
+pub(crate) mod record;
 mod settings;
-mod together;
+pub(crate) mod together;
 
 use std::fmt::Display;
 
@@ -19,9 +19,6 @@ pub use document::{StudyRow, StudySummary, study_summary};
 pub use rays::{ClassOfRays, classes_of_rays};
 pub use record::{Contest, Traced, TreeBuilt, TreeChecked};
 pub use settings::{Settings, Tracer};
-
-pub(crate) use measure::thread_counts;
-pub(crate) use together::{both_classes, together};
 
 impl Study for Tracer {
     const ABOUT: About = About {

@@ -18,7 +18,7 @@ use crate::comparison::record::{MethodFacts, Refusal};
 use crate::lines::distinct;
 use crate::noise::Verdict;
 use crate::record::Variant;
-use crate::tracer::{Contest, Traced, TreeBuilt, TreeChecked};
+use crate::tracer::record::{Contest, Traced, TreeBuilt, TreeChecked};
 
 /// The answers of a record.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -1,6 +1,6 @@
 //! The comparison of methods: its index over records, summary, figures, ranking and document.
 
-mod answers;
+pub(crate) mod answers;
 mod compare;
 pub(crate) mod figures;
 mod havel;
