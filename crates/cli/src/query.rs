@@ -104,7 +104,7 @@ pub(crate) fn run(arguments: &Query) -> Result<()> {
                 arguments,
                 |entry| &entry.f32,
                 |file| file.rays_f32,
-                |mesh| in_f32(arguments, mesh),
+                |mesh| in_f32(arguments, mesh, "--precision f64 keeps them where they are"),
                 in_tree.then_some(in_tree_of),
             )
         }
@@ -201,7 +201,9 @@ fn many(arguments: &Query, option: &str) -> Result<()> {
             arguments.method
         );
     }
-    let triangles = read_triangles(arguments)?;
+    choose(arguments, entry, &entry.f32)?;
+    let mesh = input::read_mesh(&arguments.mesh, &arguments.reading, &say)?;
+    let triangles = in_f32(arguments, &mesh, input::MOVE);
     let build = || {
         entry
             .tree(&triangles, Builder::Binned)
@@ -238,14 +240,8 @@ fn many(arguments: &Query, option: &str) -> Result<()> {
     print((0..rays.len()).map(|ray| AllLine { ray, hits: all.of(ray).iter().map(one).collect() }))
 }
 
-/// The triangles in f32, and what is lost by that said.
-fn read_triangles(arguments: &Query) -> Result<Arc<[Triangle<f32>]>> {
-    let mesh = input::read_mesh(&arguments.mesh, &arguments.reading, &say)?;
-    Ok(in_f32(arguments, &mesh))
-}
-
-fn in_f32(arguments: &Query, mesh: &Mesh) -> Arc<[Triangle<f32>]> {
-    let mend = "--precision f64 keeps them where they are";
+/// The triangles in f32; what is lost by that is said, with what mends it.
+fn in_f32(arguments: &Query, mesh: &Mesh, mend: &str) -> Arc<[Triangle<f32>]> {
     input::say_degenerate(&arguments.mesh, mesh.degenerate, mesh, &say);
     input::say_rounding(&arguments.mesh, mesh.rounding(), mend, &say);
     Arc::clone(&mesh.triangles)
