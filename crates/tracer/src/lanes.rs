@@ -1,6 +1,6 @@
 //! Which lanes rays are traced on: chosen once for a batch.
 
-use trisect_core::{Fused, InstructionSet, Lanes, Plain, Token, Vector};
+use trisect_core::{InstructionSet, Lanes, Token};
 
 /// Something to do on lanes of choice.
 pub(crate) trait Job {
@@ -25,6 +25,7 @@ impl PlainLanes {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         if let (Self::Vector, Some(token)) = (self, fearless_simd::x86::Sse4_2::detect()) {
             use fearless_simd::x86::Sse4_2;
+            use trisect_core::{Plain, Vector};
             return job.run::<Vector<Sse4_2, fearless_simd::f32x4<Sse4_2>, Plain>>(token);
         }
         job.run::<f32>(())
@@ -38,6 +39,7 @@ pub(crate) fn on_fast_lanes<J: Job>(job: J) -> Option<J::Output> {
     {
         use fearless_simd::f32x8;
         use fearless_simd::x86::{Avx2, Avx512};
+        use trisect_core::{Fused, Vector};
         if let Some(token) = Avx512::detect() {
             return Some(job.run::<Vector<Avx512, f32x8<Avx512>, Fused>>(token));
         }
@@ -48,8 +50,11 @@ pub(crate) fn on_fast_lanes<J: Job>(job: J) -> Option<J::Output> {
     #[cfg(target_arch = "aarch64")]
     if let Some(token) = fearless_simd::aarch64::Neon::detect() {
         use fearless_simd::aarch64::Neon;
+        use trisect_core::{Fused, Vector};
         return Some(job.run::<Vector<Neon, fearless_simd::f32x4<Neon>, Fused>>(token));
     }
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64")))]
+    let _ = job;
     None
 }
 
