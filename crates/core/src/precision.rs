@@ -57,10 +57,10 @@ macro_rules! precision {
         $(precision!(@visit $visitor $vector, $token, Plain Fused);)+
     };
     (@visit $visitor:ident $vector:ident, $token:ident, $($arithmetic:ident)+) => {
-        $($visitor.visit::<crate::lanes::Vector<
+        $($visitor.visit::<crate::vector::Vector<
             $token,
             fearless_simd::$vector<$token>,
-            crate::lanes::$arithmetic,
+            crate::vector::$arithmetic,
         >>();)+
     };
 }
