@@ -164,7 +164,7 @@ fn who_decides_wrongly_is_not_called_never_wrong() {
             }
         }
     }
-    assert!(found["rust"].as_str().is_some_and(|rust| rust.contains("trisect_exact::")));
+    assert!(found["rust"].as_str().is_some_and(|rust| rust.contains(".exact()")));
 }
 
 /// Every verb that reads a user's mesh, scene or rays.
