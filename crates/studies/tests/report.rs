@@ -438,7 +438,7 @@ fn no_winner_is_named_where_the_machine_is_busy() {
     assert!(head[1].starts_with("No winner is named"), "{text}");
     assert!(!text.contains("fastest  "), "{text}");
     // A noisy machine names one, and tells small differences not apart.
-    records.header.noise = Some(Noise { stolen: None, drift: 0.12, spread: 0.01 });
+    records.header.noise = Some(Noise { stolen: None, drift: 0.01, spread: 0.12 });
     let Answers { trees, .. } = summary(&records).answers;
     assert!(
         trees
@@ -449,7 +449,7 @@ fn no_winner_is_named_where_the_machine_is_busy() {
     );
     let text = Chapter::of::<Comparison>().document(&records).to_text(80);
     assert!(
-        text.contains("noisy (drift 12 %, spread 1 %): differences under 12 % are not"),
+        text.contains("noisy (drift 1 %, spread 12 %): differences under 12 % are not"),
         "{text}"
     );
 }
