@@ -14,7 +14,7 @@ use crate::bvh::builders::settings::Builder;
 use crate::bvh::wide::Statistics;
 use crate::dispatch::{Tracing, assert_room};
 use crate::hit::TriangleHit;
-use crate::hits::{Crossings, NotExact, Verdict};
+use crate::hits::{Crossings, NotExact, Verdict, upwards};
 use crate::traverse::inspect::Counted;
 use crate::tree::Tree;
 
@@ -186,9 +186,8 @@ impl<M: Method> Refine<M> for Locate<'_, M> {
         if (0..of.count).any(|place| M::is_on(point, of.triangles.prepared(place))) {
             return Ok(Place::On);
         }
-        let d = Vec3::new(0.0, 0.0, 4.0);
-        let up = Ray { o: point, d, tmin: 0.0, tmax: f32::INFINITY };
-        let is_inside = of.all_of_ray(Culling::None, Crossings::Owned, &up).len() % 2 == 1;
+        let crossings = of.all_of_ray(Culling::None, Crossings::Owned, &upwards(point));
+        let is_inside = crossings.len() % 2 == 1;
         Ok(if is_inside { Place::Inside } else { Place::Outside })
     }
 }

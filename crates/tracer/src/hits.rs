@@ -251,10 +251,9 @@ impl<'a> Source<'a> {
     /// Where a point is with respect to the solid that the triangles bound.
     pub(crate) fn place(&self, point: Vec3<f32>) -> Result<Place, NotExact> {
         let exact = self.leaves().exact().ok_or(NotExact)?;
-        // So long that no triangle is beyond the largest `t`. What the point is on is left open: either the ray lies in it,
-        // or hits it where it begins, which is within the bounds of `t`, and never at their ends.
-        let d = Vec3::new(0.0, 0.0, 4.0);
-        let ray = &as_tested(&Ray { o: point, d, tmin: 0.0, tmax: f32::INFINITY });
+        // What the point is on is left open: either the ray lies in it, or hits it where it begins, which is within the
+        // bounds of `t`, and never at their ends.
+        let ray = &as_tested(&upwards(point));
         let (end, mut is_on) = (Cell::new(ray.tmax), false);
         let crossings = Tally::with(|tally| {
             self.blocks(ray, &end, &mut |block| {
@@ -273,6 +272,12 @@ impl<'a> Source<'a> {
             _ => Place::Outside,
         })
     }
+}
+
+/// The ray whose crossings say whether a point is inside. Its direction is so long that no triangle is beyond the
+/// largest `t`.
+pub(crate) fn upwards(point: Vec3<f32>) -> Ray<f32> {
+    Ray { o: point, d: Vec3::new(0.0, 0.0, 4.0), tmin: 0.0, tmax: f32::INFINITY }
 }
 
 /// The ray with its interval as leaves take it.

@@ -304,7 +304,7 @@ mod tests {
         let splat = |v: Vec3<L::Elem>| v.map(|x| L::splat(token, x));
         let triangle =
             SizedTriangle { a: splat(a), b: splat(b), c: splat(c), h: L::splat(token, h) };
-        (ray.map(|&x| L::splat(token, x)), triangle, splat(sized.normal()))
+        (Ray::splat(token, &ray), triangle, splat(sized.normal()))
     }
 
     /// `det`, `U`, `V`, `W`, `τ·det − T` and `T`, of a normal that is computed over the same lanes, or was

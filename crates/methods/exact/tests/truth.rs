@@ -187,7 +187,7 @@ fn screen<M: ExactMethod, L: Lanes>(
         M::prepare(&triangles[lane.min(triangles.len() - 1)].or_nothing(), 0)
     });
     let prepared = M::Prepared::map(&prepared, |row| L::load(token, row));
-    let ray = ray.map(|&x| L::splat(token, x));
+    let ray = Ray::<L>::splat(token, ray);
     let mut said = [None; BLOCK];
     M::screen(
         &M::prepare_ray(&ray, 0),

@@ -1,7 +1,7 @@
 //! The triangles of a tree, prepared for a method.
 
 use prefetch_index::prefetch_index;
-use trisect_core::Triangle;
+use trisect_core::{Lanes, Triangle};
 use trisect_method::{Method, Of, Record as _, rows};
 
 use crate::bvh::builders::members::Members;
@@ -23,6 +23,23 @@ impl<M: Method> Clone for Block<M> {
 }
 
 impl<M: Method> Copy for Block<M> {}
+
+impl<M: Method> Block<M> {
+    /// As many of its triangles as there are lanes, from `lane` on, with `AXIS` renamed to the last.
+    #[inline(always)]
+    pub(crate) fn lanes<L: Lanes<Elem = f32>, const AXIS: usize>(
+        &self,
+        token: L::Token,
+        lane: usize,
+    ) -> Of<M::Prepared, L> {
+        let triangles = M::Prepared::map(
+            &self.prepared,
+            #[inline(always)]
+            |row: &[f32; WIDTH]| L::load(token, &row[lane..]),
+        );
+        M::Prepared::with_axis_last(&triangles, AXIS)
+    }
+}
 
 /// All blocks of a tree.
 #[allow(clippy::struct_field_names, reason = "they are what it is named for")]

@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use trisect_core::{Hit, Lanes, Ray, Token as _, Triangle, Vec3};
-use trisect_method::{Culling, ExactMethod, Interval, Method, Of, Record as _};
+use trisect_method::{Culling, ExactMethod, Interval, Method, Of};
 
 use super::blocks::Blocks;
 use super::exact::{self, Exactly};
@@ -232,12 +232,7 @@ impl<M: Method, L: Lanes<Elem = f32>, K: Reports<M>> Reporter<'_, M, L, K> {
         let Self { blocks, culling, token, .. } = *self;
         let interval =
             Interval { tmin: L::splat(token, ray.tmin), tmax: L::splat(token, ray.tmax) };
-        let ray = ray
-            .map(
-                #[inline(always)]
-                |&x| L::splat(token, x),
-            )
-            .with_axis_last(AXIS);
+        let ray = Ray::<L>::splat(token, ray).with_axis_last(AXIS);
         for at in leaf {
             let ray = M::prepare_ray(&ray, blocks.kind(at));
             let block = &blocks.blocks[at];
@@ -252,12 +247,7 @@ impl<M: Method, L: Lanes<Elem = f32>, K: Reports<M>> Reporter<'_, M, L, K> {
             };
             let mut lane = 0;
             while lane < WIDTH {
-                let triangles = M::Prepared::map(
-                    &block.prepared,
-                    #[inline(always)]
-                    |row: &[f32; WIDTH]| L::load(token, &row[lane..]),
-                );
-                let triangles = M::Prepared::with_axis_last(&triangles, AXIS);
+                let triangles = block.lanes::<L, AXIS>(token, lane);
                 K::test::<L>(&ray, &triangles, interval, culling, lane, &mut hits);
                 lane += L::N;
             }

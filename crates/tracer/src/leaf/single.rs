@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use trisect_core::{Hit, Lanes, Ray};
-use trisect_method::{Culling, Interval, Method, Of, Record};
+use trisect_method::{Culling, Interval, Method, Of};
 
 use super::blocks::Blocks;
 use super::packet;
@@ -63,12 +63,7 @@ fn test_leaf<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>, const AXIS: usize
     let AtLeaf { blocks, ray, .. } = at_leaf;
     let interval = Interval { tmin: L::splat(token, ray.tmin), tmax: L::splat(token, ray.tmax) };
     // Computing this for each leaf costs less than keeping it for every ray in flight, even where it divides.
-    let ray = ray
-        .map(
-            #[inline(always)]
-            |&x| L::splat(token, x),
-        )
-        .with_axis_last(AXIS);
+    let ray = Ray::<L>::splat(token, &ray).with_axis_last(AXIS);
     // Not zipped: that may stay a call.
     for at in leaf.clone() {
         let ray = M::prepare_ray(&ray, blocks.kind(at));
@@ -93,12 +88,7 @@ fn test_block<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>, const AXIS: usiz
     let block = &blocks.blocks[at];
     let mut lane = 0;
     while lane < WIDTH {
-        let triangles = M::Prepared::map(
-            &block.prepared,
-            #[inline(always)]
-            |row: &[f32; WIDTH]| L::load(token, &row[lane..]),
-        );
-        let triangles = M::Prepared::with_axis_last(&triangles, AXIS);
+        let triangles = block.lanes::<L, AXIS>(token, lane);
         let in_block = InBlock { block, at, lane };
         let left = query.test::<L>(ray, &triangles, interval, in_block, best);
         if left != 0 {

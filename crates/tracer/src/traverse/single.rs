@@ -229,16 +229,6 @@ pub(crate) fn singly<'a, A: Target<'a, Q>, L: Lanes<Elem = f32>, Q: Query>(
     }
 }
 
-/// So many items may wait in the room of one ray, where any hit will do.
-const LEAST_ROOM: usize = 32;
-
-/// So many in that of others, where the tree is not more than seventeen nodes deep; trees of millions of triangles
-/// are eleven.
-const ROOM: usize = 128;
-
-/// The same for any tree: builders halve what is below a depth of 48, so none is 145 deep.
-const LARGE_ROOM: usize = 1024;
-
 /// Traces one ray, and writes down what it finds, if it has anything to find. The answer is that of [`singly`], to
 /// the bit.
 #[inline(always)]
@@ -265,20 +255,9 @@ pub(crate) fn one<'a, A: Target<'a, Q, 1, Seed = ()>, L: Lanes<Elem = f32>, Q: Q
         return;
     }
     let mut work = Work { rays, hits: A::hits(()) };
-    let (mut least, mut few, mut many);
     // Where any hit will do, one item waits for each node on the way.
-    let room = if Q::ANY { tree.depth + 1 } else { stack::room(tree.depth) };
-    flight.waiting = Stack::new(if room <= LEAST_ROOM {
-        least = [0; LEAST_ROOM];
-        &mut least[..]
-    } else if room <= ROOM {
-        few = [0; ROOM];
-        &mut few[..]
-    } else {
-        assert!(room <= LARGE_ROOM, "builders bound the depth");
-        many = [0; LARGE_ROOM];
-        &mut many[..]
-    });
+    stack::declare_room!(items, if Q::ANY { tree.depth + 1 } else { stack::room(tree.depth) });
+    flight.waiting = Stack::new(items);
     while !flight.step::<A, L, Q, 1>(target, token, query, &mut work) {}
     *found = Q::output(&target.finish(&mut work)[0]);
 }

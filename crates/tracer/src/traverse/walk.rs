@@ -16,12 +16,6 @@ use crate::query::Robust;
 use crate::rays::slabs::Slabs;
 use crate::vectors::WIDTH;
 
-/// Room for the stack of a tree as deep as most are.
-const USUAL: usize = 128;
-
-/// Room for that of any: a binary tree is at most 48 levels deeper than one that is balanced.
-const DEEPEST: usize = 1024;
-
 /// Visits the leaves that a ray may meet; how many nodes it visits.
 pub(crate) struct Walk<'a> {
     pub(crate) tree: &'a WideTree,
@@ -34,18 +28,11 @@ impl Job for Walk<'_> {
     type Output = usize;
 
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> usize {
-        let room = stack::room(self.tree.depth);
         token.run(
             #[inline(always)]
             || {
-                // On the stack of the thread: nothing is allocated for a ray.
-                if room <= USUAL {
-                    walk::<L>(token, self, &mut [0; USUAL])
-                } else if room <= DEEPEST {
-                    walk::<L>(token, self, &mut [0; DEEPEST])
-                } else {
-                    walk::<L>(token, self, &mut vec![0; room])
-                }
+                stack::declare_room!(items, stack::room(self.tree.depth));
+                walk::<L>(token, self, items)
             },
         )
     }
@@ -58,10 +45,7 @@ fn walk<L: Lanes<Elem = f32>>(
     items: &mut [u64],
 ) -> usize {
     let Interval { tmin, mut tmax } = Interval::of(ray);
-    let slabs = Slabs::new::<Robust>(&ray.map(
-        #[inline(always)]
-        |&x| L::splat(token, x),
-    ));
+    let slabs = Slabs::new::<Robust>(&Ray::splat(token, ray));
     let mut waiting = Stack::new(items);
     let mut visited = 0;
     waiting.push(stack::key(tmin, 0));
