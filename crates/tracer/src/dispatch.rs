@@ -60,7 +60,7 @@ pub(crate) trait Traced: Send + Sync {
     fn any_in_loop(&self, rays: &[Ray<f32>], order: &Order, found: &mut [bool]) -> bool;
 
     /// The nearest hit of one ray, in a loop that is compiled for the method where there is one for this processor.
-    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit>;
+    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> TriangleHit;
 
     /// The same for any hit.
     fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool;
@@ -111,18 +111,17 @@ pub(crate) fn any(
 }
 
 /// The nearest hit of one ray, as of a batch.
-pub(crate) fn closest_of(
-    traced: &dyn Traced,
-    culling: Culling,
-    ray: &Ray<f32>,
-    found: &mut Option<TriangleHit>,
-) {
-    closest(traced, Tracing::Single, culling, from_ref(ray), from_mut(found));
+pub(crate) fn closest_of(traced: &dyn Traced, culling: Culling, ray: &Ray<f32>) -> TriangleHit {
+    let mut found = None;
+    closest(traced, Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
+    found.unwrap_or(TriangleHit::NONE)
 }
 
 /// Whether one ray hits anything, as of a batch.
-pub(crate) fn any_of(traced: &dyn Traced, culling: Culling, ray: &Ray<f32>, found: &mut bool) {
-    any(traced, Tracing::Single, culling, from_ref(ray), from_mut(found));
+pub(crate) fn any_of(traced: &dyn Traced, culling: Culling, ray: &Ray<f32>) -> bool {
+    let mut found = false;
+    any(traced, Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
+    found
 }
 
 /// Traces rays in plain arithmetic, by the calling thread.

@@ -16,13 +16,19 @@ pub struct TriangleHit {
 
 impl TriangleHit {
     /// No hit: farther than every hit, and nearer than infinity, which stands for a lane without one.
-    pub(crate) const NONE: Self =
+    pub const NONE: Self =
         Self { triangle: u32::MAX, hit: Hit { t: f32::MAX, beta: f32::MAX, gamma: 0.0 } };
 
     /// Whether it is not [`NONE`](TriangleHit::NONE).
     #[inline(always)]
-    pub(crate) fn is_hit(&self) -> bool {
+    pub fn is_hit(&self) -> bool {
         self.triangle != Self::NONE.triangle
+    }
+
+    /// The hit, if it is one.
+    #[inline(always)]
+    pub fn found(self) -> Option<Self> {
+        self.is_hit().then_some(self)
     }
 
     /// The order of two hits by `t`, which neither is NaN.

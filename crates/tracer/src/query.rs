@@ -14,6 +14,8 @@ pub(crate) trait Query: Copy + Send + Sync {
     type Boxes: Boxes;
     /// What is known of a ray that has left the tree.
     type Found: Copy;
+    /// What is known of one that misses all.
+    const MISS: Self::Found;
     /// What a caller gets for it.
     type Output: Send;
 
@@ -93,11 +95,12 @@ impl<B: Boxes, F: Faces> Query for Closest<B, F> {
     const ANY: bool = false;
     type Boxes = B;
     type Found = TriangleHit;
+    const MISS: TriangleHit = TriangleHit::NONE;
     type Output = Option<TriangleHit>;
 
     #[inline(always)]
     fn output(found: &TriangleHit) -> Option<TriangleHit> {
-        found.is_hit().then_some(*found)
+        found.found()
     }
 }
 
@@ -112,6 +115,7 @@ impl<B: Boxes, F: Faces> Query for Any<B, F> {
     const ANY: bool = true;
     type Boxes = B;
     type Found = bool;
+    const MISS: bool = false;
     type Output = bool;
 
     #[inline(always)]
@@ -128,6 +132,7 @@ impl Query for HasClosest {
     const ANY: bool = false;
     type Boxes = Robust;
     type Found = TriangleHit;
+    const MISS: TriangleHit = TriangleHit::NONE;
     type Output = bool;
 
     #[inline(always)]

@@ -74,12 +74,9 @@ impl<M: Method, K: Queries<M>, const IN_LOOP: bool> TreeOf<M, K, IN_LOOP> {
         }
     }
 
-    fn trace_one<Q: LeafQuery<M>>(&self, query: Q, ray: &Ray<f32>, found: &mut Q::Output) -> bool {
-        if const { IN_LOOP } {
-            on_fast_lanes(TraceOne { target: self, query, ray, found }).is_some()
-        } else {
-            false
-        }
+    #[inline(always)]
+    fn trace_one<Q: LeafQuery<M>>(&self, query: Q, ray: &Ray<f32>) -> Option<Q::Found> {
+        if const { IN_LOOP } { on_fast_lanes(TraceOne { target: self, query, ray }) } else { None }
     }
 }
 
@@ -109,20 +106,14 @@ impl<M: Method, K: Queries<M>, const IN_LOOP: bool> Traced for TreeOf<M, K, IN_L
         self.trace(Any::<Promised<M>, Both>::new(Both), rays, order, found)
     }
 
-    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
-        let mut found = None;
-        if !self.trace_one(K::closest::<Promised<M>, Culling>(culling), ray, &mut found) {
-            dispatch::closest_of(self, culling, ray, &mut found);
-        }
-        found
+    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> TriangleHit {
+        self.trace_one(K::closest::<Promised<M>, Culling>(culling), ray)
+            .unwrap_or_else(|| dispatch::closest_of(self, culling, ray))
     }
 
     fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool {
-        let mut found = false;
-        if !self.trace_one(Any::<Promised<M>, Culling>::new(culling), ray, &mut found) {
-            dispatch::any_of(self, culling, ray, &mut found);
-        }
-        found
+        self.trace_one(Any::<Promised<M>, Culling>::new(culling), ray)
+            .unwrap_or_else(|| dispatch::any_of(self, culling, ray))
     }
 }
 

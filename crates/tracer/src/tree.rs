@@ -43,11 +43,12 @@ pub trait Tree: Send + Sync {
     fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]);
 
     /// The closest hit of one ray: that of [`Tree::closest`] with [`Tracing::Single`], to the bit. In a tree that is
-    /// [compiled for a method](Bvh), on a processor with [fast lanes](crate::fast_lanes), it allocates nothing.
-    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
+    /// [compiled for a method](Bvh), on a processor with [fast lanes](crate::fast_lanes), it allocates nothing. Where
+    /// there is none it is [`TriangleHit::NONE`], which fits into registers as an option does not.
+    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> TriangleHit {
         let mut found = None;
         self.closest(Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
-        found
+        found.unwrap_or(TriangleHit::NONE)
     }
 
     /// Whether one ray hits anything: as [`Tree::closest_hit`], of [`Tree::any`].
@@ -411,7 +412,7 @@ macro_rules! hits {
 }
 
 impl<M: Method> Tree for Bvh<M> {
-    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
+    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> TriangleHit {
         self.traced.closest_hit(culling, ray)
     }
 

@@ -12,21 +12,23 @@ pub struct Hit {
     pub triangle: u32,
     /// How far along the ray: the hit is at `o + t·d`.
     pub t: f32,
-    /// The weight of the triangle's first corner: 1 − `beta` − `gamma`, rounded once, and 0 where that is less.
-    pub alpha: f32,
-    /// The weight of its second corner.
+    /// The weight of the triangle's second corner.
     pub beta: f32,
     /// The weight of its third corner.
     pub gamma: f32,
 }
 
 impl Hit {
+    #[inline(always)]
+    pub(crate) fn of(TriangleHit { triangle, hit }: TriangleHit) -> Self {
+        Self { triangle, t: hit.t, beta: hit.beta, gamma: hit.gamma }
+    }
+
+    /// The weight of the triangle's first corner: 1 − `beta` − `gamma`, rounded once, and 0 where that is less.
     #[allow(clippy::cast_possible_truncation, reason = "rounds")]
     #[inline]
-    pub(crate) fn of(TriangleHit { triangle, hit }: TriangleHit) -> Self {
-        let alpha = 1.0 - f64::from(hit.beta) - f64::from(hit.gamma);
-        let alpha = alpha.max(0.0) as f32;
-        Self { triangle, t: hit.t, alpha, beta: hit.beta, gamma: hit.gamma }
+    pub fn alpha(&self) -> f32 {
+        (1.0 - f64::from(self.beta) - f64::from(self.gamma)).max(0.0) as f32
     }
 
     /// The point of the triangle that is hit, from its corners as `scene` has them now and their weights: nearer to
@@ -37,7 +39,7 @@ impl Hit {
     #[allow(clippy::cast_possible_truncation, reason = "rounds")]
     pub fn point(&self, scene: &Scene) -> [f32; 3] {
         let corners = scene.corners(self.triangle);
-        let weights = [self.alpha, self.beta, self.gamma].map(f64::from);
+        let weights = [self.alpha(), self.beta, self.gamma].map(f64::from);
         let point = |axis: usize| {
             let weighted = |k: usize| weights[k] * corners[k].to_array()[axis];
             (weighted(0) + weighted(1) + weighted(2)) as f32

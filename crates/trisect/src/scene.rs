@@ -273,7 +273,7 @@ impl View<'_> {
 
     /// As [`Scene::first`].
     pub fn first(&self, ray: &Ray) -> Option<Hit> {
-        self.scene.tree.closest_hit(self.culling, ray).map(Hit::of)
+        self.scene.tree.closest_hit(self.culling, ray).found().map(Hit::of)
     }
 
     /// As [`Scene::any`].

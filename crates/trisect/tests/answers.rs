@@ -120,8 +120,8 @@ fn hits_say_where_they_are() {
     for ray in random_through_box(2, &bunny, 500).rays {
         let Some(hit) = scene.first(&ray) else { continue };
         hits += 1;
-        let sum = f64::from(hit.alpha) + f64::from(hit.beta) + f64::from(hit.gamma);
-        assert!((sum - 1.0).abs() < 1e-6 && hit.alpha >= 0.0, "{hit:?}");
+        let sum = f64::from(hit.alpha()) + f64::from(hit.beta) + f64::from(hit.gamma);
+        assert!((sum - 1.0).abs() < 1e-6 && hit.alpha() >= 0.0, "{hit:?}");
         let (point, along) = (hit.point(&scene), ray.at(hit.t).to_array());
         let off = point.iter().zip(along).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(off < 1e-5 * bunny.bounds.diagonal(), "{off}: {hit:?}");

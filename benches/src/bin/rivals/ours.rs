@@ -95,7 +95,7 @@ impl Contender for Ours {
             Handing::Batch(tracing) => self.tree.closest(tracing, Culling::None, rays, found),
             Handing::Calls => {
                 for (ray, found) in rays.iter().zip(found) {
-                    *found = self.tree.closest_hit(Culling::None, ray);
+                    *found = self.tree.closest_hit(Culling::None, ray).found();
                 }
             }
         }

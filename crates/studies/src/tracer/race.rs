@@ -122,7 +122,7 @@ impl<'a> Contender<'a> {
         let work = || match places {
             Places::Closest(found) if self.ray_by_ray => {
                 for (ray, found) in rays.iter().zip(&mut found[slice]) {
-                    *found = tree.closest_hit(Culling::None, ray);
+                    *found = tree.closest_hit(Culling::None, ray).found();
                 }
             }
             Places::Any(found) if self.ray_by_ray => {

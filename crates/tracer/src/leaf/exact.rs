@@ -42,11 +42,12 @@ impl<F: Faces> Query for ExactClosest<F> {
     const ANY: bool = false;
     type Boxes = Robust;
     type Found = TriangleHit;
+    const MISS: TriangleHit = TriangleHit::NONE;
     type Output = Option<TriangleHit>;
 
     #[inline(always)]
     fn output(found: &TriangleHit) -> Option<TriangleHit> {
-        found.is_hit().then_some(*found)
+        found.found()
     }
 }
 

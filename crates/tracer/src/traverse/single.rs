@@ -229,37 +229,33 @@ pub(crate) fn singly<'a, A: Target<'a, Q>, L: Lanes<Elem = f32>, Q: Query>(
     }
 }
 
-/// Traces one ray, and writes down what it finds, if it has anything to find. The answer is that of [`singly`], to
-/// the bit.
+/// Traces one ray. The answer is that of [`singly`], to the bit.
 #[inline(always)]
 pub(crate) fn one<'a, A: Target<'a, Q, 1, Seed = ()>, L: Lanes<Elem = f32>, Q: Query>(
     target: A,
     token: L::Token,
     query: Q,
     ray: &Ray<f32>,
-    found: &mut Q::Output,
-) {
+    items: &mut [Waiting; stack::ROOM],
+) -> Q::Found {
     let tree = target.tree();
     let root = &tree.nodes[0];
-    let Some(rays) = RayBatch::of::<Q::Boxes>(ray) else { return };
+    let Some(rays) = RayBatch::of::<Q::Boxes>(ray) else { return Q::MISS };
     let mut flight = Flight {
         ray: 0,
         node: root,
         at: 0,
         met: 0,
         distances: [0.0; WIDTH],
-        waiting: Stack::new(&mut []),
+        waiting: Stack::new(items),
     };
     flight.visit::<L, Q, _>(token, &rays, root);
     if flight.met == 0 {
-        return;
+        return Q::MISS;
     }
     let mut work = Work { rays, hits: A::hits(()) };
-    // Where any hit will do, one item waits for each node on the way.
-    stack::declare_room!(items, if Q::ANY { tree.depth + 1 } else { stack::room(tree.depth) });
-    flight.waiting = Stack::new(items);
     while !flight.step::<A, L, Q, 1>(target, token, query, &mut work) {}
-    *found = Q::output(&target.finish(&mut work)[0]);
+    target.finish(&mut work)[0]
 }
 
 /// Writes down what rays have found.

@@ -1,5 +1,6 @@
 //! The traversal stack: what is still to be visited, the nearer above the farther.
 
+use std::cell::RefCell;
 use std::hint::select_unpredictable;
 
 use crate::vectors::WIDTH;
@@ -31,9 +32,22 @@ pub(crate) fn room(depth: usize) -> usize {
     (depth * (WIDTH - 1) + WIDTH).next_power_of_two()
 }
 
+/// Room for the stack of any tree: builders halve what is below a depth of 48, so none is 145 deep.
+pub(crate) const ROOM: usize = 1024;
+
+thread_local! {
+    /// Room that is cleared once for all rays of a thread.
+    static ITEMS: RefCell<[u64; ROOM]> = const { RefCell::new([0; ROOM]) };
+}
+
+/// Does something with room for the stack of any tree. It must not ask for room again.
+#[inline(always)]
+pub(crate) fn with_room<T>(work: impl FnOnce(&mut [u64; ROOM]) -> T) -> T {
+    ITEMS.with_borrow_mut(work)
+}
+
 /// Declares room for a stack, so many items or more, on the stack of the thread: nothing is allocated for a ray. Little
-/// room is cleared sooner. The largest does for any tree: builders halve what is below a depth of 48, so none is 145
-/// deep. The middle one does for trees of up to seventeen nodes deep; trees of millions of triangles are eleven.
+/// room is cleared sooner. The largest does for any tree. The middle one does for trees of up to seventeen nodes deep; trees of millions of triangles are eleven.
 macro_rules! declare_room {
     ($items:ident, $room:expr) => {
         let room: usize = $room;
@@ -45,8 +59,8 @@ macro_rules! declare_room {
             usual = [0; 128];
             &mut usual
         } else {
-            assert!(room <= 1024, "builders bound the depth");
-            largest = [0; 1024];
+            assert!(room <= stack::ROOM, "builders bound the depth");
+            largest = [0; stack::ROOM];
             &mut largest
         };
     };

@@ -4,6 +4,7 @@ use trisect_core::{Lanes, Ray, Token as _};
 
 use super::packet::in_packets;
 use super::single::{one, singly};
+use super::stack;
 use super::target::{PacketTarget, Target};
 use crate::lanes::Job;
 use crate::query::Query;
@@ -44,19 +45,23 @@ pub(crate) struct TraceOne<'a, A, Q: Query> {
     pub(crate) target: A,
     pub(crate) query: Q,
     pub(crate) ray: &'a Ray<f32>,
-    /// Where what it finds is written, if it has anything to find. Not returned: what is handed on field by field
-    /// and copied as a whole costs as much as visiting a node.
-    pub(crate) found: &'a mut Q::Output,
 }
 
 impl<'a, A: Target<'a, Q, 1, Seed = ()>, Q: Query> Job for TraceOne<'_, A, Q> {
-    type Output = ();
+    /// In registers, on all of the way to the caller: what is written field by field and copied as a whole costs as
+    /// much as visiting a node.
+    type Output = Q::Found;
 
-    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
-        let Self { target, query, ray, found } = self;
-        token.run(
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> Q::Found {
+        let Self { target, query, ray } = self;
+        stack::with_room(
             #[inline(always)]
-            move || one::<A, L, Q>(target, token, query, ray, found),
-        );
+            |items| {
+                token.run(
+                    #[inline(always)]
+                    move || one::<A, L, Q>(target, token, query, ray, items),
+                )
+            },
+        )
     }
 }

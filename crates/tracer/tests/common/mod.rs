@@ -58,7 +58,7 @@ pub fn traced(
     }
     if tracing == Tracing::Single {
         for ((found, any), ray) in found.iter().zip(&any).zip(rays) {
-            let alone = (tree.closest_hit(culling, ray), tree.any_hit(culling, ray));
+            let alone = (tree.closest_hit(culling, ray).found(), tree.any_hit(culling, ray));
             assert_eq!(alone, (*found, *any), "{ray:?}");
         }
         let together = traced(tree, Tracing::Packets, culling, rays);
