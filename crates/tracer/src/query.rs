@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 use trisect_method::{Culling, Method};
 
 use crate::hit::TriangleHit;
+use crate::precision::Real;
 
 /// What is asked of each ray.
 pub(crate) trait Query: Copy + Send + Sync {
@@ -27,6 +28,8 @@ pub(crate) trait Query: Copy + Send + Sync {
 pub(crate) trait Boxes: Copy + Send + Sync {
     /// Whether tests allow for their own rounding, so that no true hit is lost.
     const ROBUST: bool;
+    /// Whether an interval ends a little later than at the best hit.
+    const LATE: bool;
 }
 
 /// Tests allow for their own rounding.
@@ -35,6 +38,7 @@ pub(crate) struct Robust;
 
 impl Boxes for Robust {
     const ROBUST: bool = true;
+    const LATE: bool = true;
 }
 
 /// Tests do not: boxes were made larger when they were built.
@@ -43,6 +47,16 @@ pub(crate) struct Tight;
 
 impl Boxes for Tight {
     const ROBUST: bool = false;
+    const LATE: bool = false;
+}
+
+/// Nor do these: boxes are so much larger that [no true hit is lost](crate::bvh::frame).
+#[derive(Clone, Copy)]
+pub(crate) struct Widened;
+
+impl Boxes for Widened {
+    const ROBUST: bool = false;
+    const LATE: bool = true;
 }
 
 /// Tests keep the promise of a method.
@@ -58,6 +72,7 @@ impl<M> Copy for Promised<M> {}
 
 impl<M: Method> Boxes for Promised<M> {
     const ROBUST: bool = M::INFO.claims.watertight;
+    const LATE: bool = Self::ROBUST;
 }
 
 /// Which faces are seen: a type where a loop is compiled for both, and otherwise a value.
@@ -86,20 +101,20 @@ impl Faces for Culling {
 
 /// The nearest hit, of equally near ones that of the lowest id.
 #[derive(Clone, Copy)]
-pub(crate) struct Closest<B, F> {
+pub(crate) struct Closest<B, F, P = f32> {
     pub(crate) faces: F,
-    pub(crate) boxes: PhantomData<B>,
+    pub(crate) boxes: PhantomData<(B, P)>,
 }
 
-impl<B: Boxes, F: Faces> Query for Closest<B, F> {
+impl<B: Boxes, F: Faces, P: Real> Query for Closest<B, F, P> {
     const ANY: bool = false;
     type Boxes = B;
-    type Found = TriangleHit;
-    const MISS: TriangleHit = TriangleHit::NONE;
-    type Output = Option<TriangleHit>;
+    type Found = TriangleHit<P>;
+    const MISS: TriangleHit<P> = TriangleHit::NONE;
+    type Output = Option<TriangleHit<P>>;
 
     #[inline(always)]
-    fn output(found: &TriangleHit) -> Option<TriangleHit> {
+    fn output(found: &TriangleHit<P>) -> Option<TriangleHit<P>> {
         found.found()
     }
 }
@@ -141,7 +156,7 @@ impl Query for HasClosest {
     }
 }
 
-impl<B, F> Closest<B, F> {
+impl<B, F, P> Closest<B, F, P> {
     pub(crate) const fn new(faces: F) -> Self {
         Self { faces, boxes: PhantomData }
     }

@@ -231,8 +231,9 @@ pub(crate) fn singly<'a, A: Target<'a, Q>, L: Lanes<Elem = f32>, Q: Query>(
 
 /// Traces one ray. The answer is that of [`singly`], to the bit.
 #[inline(always)]
-pub(crate) fn one<'a, A: Target<'a, Q, 1, Seed = ()>, L: Lanes<Elem = f32>, Q: Query>(
+pub(crate) fn one<'a, A: Target<'a, Q, 1>, L: Lanes<Elem = f32>, Q: Query>(
     target: A,
+    seed: A::Seed,
     token: L::Token,
     query: Q,
     ray: &Ray<f32>,
@@ -253,7 +254,7 @@ pub(crate) fn one<'a, A: Target<'a, Q, 1, Seed = ()>, L: Lanes<Elem = f32>, Q: Q
     if flight.met == 0 {
         return Q::MISS;
     }
-    let mut work = Work { rays, hits: A::hits(()) };
+    let mut work = Work { rays, hits: A::hits(seed) };
     while !flight.step::<A, L, Q, 1>(target, token, query, &mut work) {}
     target.finish(&mut work)[0]
 }

@@ -41,25 +41,26 @@ impl<'a, A: PacketTarget<'a, Q>, Q: Query> Job for Trace<'a, A, Q> {
 }
 
 /// One ray to be traced on lanes of choice.
-pub(crate) struct TraceOne<'a, A, Q: Query> {
+pub(crate) struct TraceOne<'a, A: Target<'a, Q, 1>, Q: Query> {
     pub(crate) target: A,
+    pub(crate) seed: A::Seed,
     pub(crate) query: Q,
     pub(crate) ray: &'a Ray<f32>,
 }
 
-impl<'a, A: Target<'a, Q, 1, Seed = ()>, Q: Query> Job for TraceOne<'_, A, Q> {
+impl<'a, A: Target<'a, Q, 1>, Q: Query> Job for TraceOne<'a, A, Q> {
     /// In registers, on all of the way to the caller: what is written field by field and copied as a whole costs as
     /// much as visiting a node.
     type Output = Q::Found;
 
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> Q::Found {
-        let Self { target, query, ray } = self;
+        let Self { target, seed, query, ray } = self;
         stack::with_room(
             #[inline(always)]
             |items| {
                 token.run(
                     #[inline(always)]
-                    move || one::<A, L, Q>(target, token, query, ray, items),
+                    move || one::<A, L, Q>(target, seed, token, query, ray, items),
                 )
             },
         )
