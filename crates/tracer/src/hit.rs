@@ -16,20 +16,38 @@ pub struct TriangleHit<P = f32> {
     pub hit: Hit<P>,
 }
 
+/// A hit of one ray, or none.
+#[derive(Clone, Copy)]
+pub struct MaybeHit<P: Real = f32>(pub(crate) P::Packed);
+
+impl<P: Real> MaybeHit<P> {
+    /// Of a hit, or [`TriangleHit::NONE`].
+    #[inline(always)]
+    pub(crate) fn of(hit: TriangleHit<P>) -> Self {
+        Self(P::pack(hit))
+    }
+
+    /// The hit, if it is one.
+    #[inline(always)]
+    pub fn found(self) -> Option<TriangleHit<P>> {
+        P::unpack(self.0).found()
+    }
+}
+
 impl<P: Real> TriangleHit<P> {
     /// No hit: farther than every hit, and nearer than infinity, which stands for a lane without one.
-    pub const NONE: Self =
+    pub(crate) const NONE: Self =
         Self { triangle: u32::MAX, hit: Hit { t: P::MAX, beta: P::MAX, gamma: P::ZERO } };
 
     /// Whether it is not [`NONE`](TriangleHit::NONE).
     #[inline(always)]
-    pub fn is_hit(&self) -> bool {
+    pub(crate) fn is_hit(&self) -> bool {
         self.triangle != Self::NONE.triangle
     }
 
     /// The hit, if it is one.
     #[inline(always)]
-    pub fn found(self) -> Option<Self> {
+    pub(crate) fn found(self) -> Option<Self> {
         self.is_hit().then_some(self)
     }
 

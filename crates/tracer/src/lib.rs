@@ -23,7 +23,7 @@ pub use bvh::builders::settings::{Builder, Leaves, UnknownBuilder};
 pub use bvh::wide::Statistics;
 pub use dispatch::Tracing;
 pub use every::EveryTriangle;
-pub use hit::TriangleHit;
+pub use hit::{MaybeHit, TriangleHit};
 pub use hits::{AllHits, Crossings, NotExact, Verdict};
 pub use lanes::fast_lanes;
 pub use precision::Precision;

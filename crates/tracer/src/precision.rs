@@ -2,11 +2,12 @@
 
 use std::borrow::Cow;
 
-use trisect_core::{Float, Lanes, Ray, Token, Triangle};
+use trisect_core::{Float, Hit, Lanes, Ray, Token, Triangle};
 use trisect_method::{Method, UnsuitableMesh};
 
 use crate::bvh::builders::settings::{Builder, Leaves};
 use crate::bvh::frame::{Frame, Span};
+use crate::hit::TriangleHit;
 use crate::rays::slabs;
 use crate::traced::{self, Built};
 use crate::traced_f64;
@@ -37,6 +38,15 @@ pub trait Real: Float {
 
     /// From `t` along a ray to that along the same ray among the boxes.
     type Span: Copy;
+
+    /// A hit as calls hand it back.
+    type Packed: Copy;
+
+    /// Packs a hit.
+    fn pack(hit: TriangleHit<Self>) -> Self::Packed;
+
+    /// Unpacks it.
+    fn unpack(packed: Self::Packed) -> TriangleHit<Self>;
 
     /// The triangles as boxes are built around them, and where they are for that.
     fn in_frame(triangles: &[Triangle<Self>]) -> (Cow<'_, [Triangle<f32>]>, Option<Frame>);
@@ -102,6 +112,23 @@ impl Real for f32 {
     const UNDERFLOW: Self = slabs::UNDERFLOW;
     type Lanes<L: Lanes<Elem = f32>> = L;
     type Span = ();
+    /// Two registers. In memory it would be written number by number and read as a whole, which takes as long as visiting
+    /// a node.
+    type Packed = (u64, u64);
+
+    #[inline(always)]
+    fn pack(TriangleHit { triangle, hit }: TriangleHit<f32>) -> (u64, u64) {
+        let pair = |low: u32, high: f32| u64::from(low) | u64::from(high.to_bits()) << 32;
+        (pair(triangle, hit.t), pair(hit.beta.to_bits(), hit.gamma))
+    }
+
+    #[allow(clippy::cast_possible_truncation, reason = "the lower half")]
+    #[inline(always)]
+    fn unpack((first, second): (u64, u64)) -> TriangleHit<f32> {
+        let high = |pair: u64| f32::from_bits((pair >> 32) as u32);
+        let hit = Hit { t: high(first), beta: f32::from_bits(second as u32), gamma: high(second) };
+        TriangleHit { triangle: first as u32, hit }
+    }
 
     fn in_frame(triangles: &[Triangle<f32>]) -> (Cow<'_, [Triangle<f32>]>, Option<Frame>) {
         (Cow::Borrowed(triangles), None)
@@ -133,6 +160,17 @@ impl Real for f64 {
     const UNDERFLOW: Self = 4.0 * f64::MIN_POSITIVE;
     type Lanes<L: Lanes<Elem = f32>> = <L::Token as Token>::Doubles;
     type Span = Span;
+    type Packed = TriangleHit<f64>;
+
+    #[inline(always)]
+    fn pack(hit: TriangleHit<f64>) -> TriangleHit<f64> {
+        hit
+    }
+
+    #[inline(always)]
+    fn unpack(packed: TriangleHit<f64>) -> TriangleHit<f64> {
+        packed
+    }
 
     fn in_frame(triangles: &[Triangle<f64>]) -> (Cow<'_, [Triangle<f32>]>, Option<Frame>) {
         let (triangles, frame) = Frame::around(triangles);

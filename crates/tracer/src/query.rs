@@ -17,11 +17,16 @@ pub(crate) trait Query: Copy + Send + Sync {
     type Found: Copy;
     /// What is known of one that misses all.
     const MISS: Self::Found;
+    /// What is handed back for one ray.
+    type Packed;
     /// What a caller gets for it.
     type Output: Send;
 
     /// From the one to the other.
     fn output(found: &Self::Found) -> Self::Output;
+
+    /// Packs what is known of one ray.
+    fn pack(found: Self::Found) -> Self::Packed;
 }
 
 /// How boxes are tested.
@@ -110,12 +115,18 @@ impl<B: Boxes, F: Faces, P: Real> Query for Closest<B, F, P> {
     const ANY: bool = false;
     type Boxes = B;
     type Found = TriangleHit<P>;
+    type Packed = P::Packed;
     const MISS: TriangleHit<P> = TriangleHit::NONE;
     type Output = Option<TriangleHit<P>>;
 
     #[inline(always)]
     fn output(found: &TriangleHit<P>) -> Option<TriangleHit<P>> {
         found.found()
+    }
+
+    #[inline(always)]
+    fn pack(found: TriangleHit<P>) -> P::Packed {
+        P::pack(found)
     }
 }
 
@@ -130,12 +141,18 @@ impl<B: Boxes, F: Faces> Query for Any<B, F> {
     const ANY: bool = true;
     type Boxes = B;
     type Found = bool;
+    type Packed = bool;
     const MISS: bool = false;
     type Output = bool;
 
     #[inline(always)]
     fn output(found: &bool) -> bool {
         *found
+    }
+
+    #[inline(always)]
+    fn pack(found: bool) -> bool {
+        found
     }
 }
 
@@ -147,12 +164,18 @@ impl Query for HasClosest {
     const ANY: bool = false;
     type Boxes = Robust;
     type Found = TriangleHit;
+    type Packed = (u64, u64);
     const MISS: TriangleHit = TriangleHit::NONE;
     type Output = bool;
 
     #[inline(always)]
     fn output(found: &TriangleHit) -> bool {
         found.is_hit()
+    }
+
+    #[inline(always)]
+    fn pack(found: TriangleHit) -> (u64, u64) {
+        Real::pack(found)
     }
 }
 

@@ -10,7 +10,7 @@ use crate::bvh::builders::members::Kinds;
 use crate::bvh::builders::settings::{Builder, Leaves};
 use crate::bvh::wide::WideTree;
 use crate::dispatch::{self, Traced, Tracing};
-use crate::hit::TriangleHit;
+use crate::hit::{MaybeHit, TriangleHit};
 use crate::lanes::on_fast_lanes;
 use crate::leaf::blocks::Blocks;
 use crate::leaf::erased::{ErasedLeaves, LeafData, MethodLeaves, Tester};
@@ -48,7 +48,7 @@ pub(crate) trait TracedIn<P: Real>: Send + Sync {
     fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<P>], found: &mut [bool]);
 
     /// The nearest hit of one ray, in a loop that is compiled for the method where there is one for this processor.
-    fn closest_hit(&self, culling: Culling, ray: &Ray<P>) -> TriangleHit<P>;
+    fn closest_hit(&self, culling: Culling, ray: &Ray<P>) -> MaybeHit<P>;
 
     /// The same for any hit.
     fn any_hit(&self, culling: Culling, ray: &Ray<P>) -> bool;
@@ -133,8 +133,12 @@ impl<M: Method, K: Queries<M>, const IN_LOOP: bool> TreeOf<M, K, IN_LOOP> {
     }
 
     #[inline(always)]
-    fn trace_one<Q: LeafQuery<M>>(&self, query: Q, ray: &Ray<f32>) -> Option<Q::Found> {
-        if const { IN_LOOP } { on_fast_lanes(TraceOne { target: self, seed: (), query, ray }) } else { None }
+    fn trace_one<Q: LeafQuery<M>>(&self, query: Q, ray: &Ray<f32>) -> Option<Q::Packed> {
+        if const { IN_LOOP } {
+            on_fast_lanes(TraceOne { target: self, seed: (), query, ray })
+        } else {
+            None
+        }
     }
 }
 
@@ -184,9 +188,9 @@ impl<M: Method, K: Queries<M>, const IN_LOOP: bool> TracedIn<f32> for TreeOf<M, 
         dispatch::any(self, tracing, culling, rays, found);
     }
 
-    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> TriangleHit {
+    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> MaybeHit {
         self.trace_one(K::closest::<Promised<M>, Culling>(culling), ray)
-            .unwrap_or_else(|| dispatch::closest_of(self, culling, ray))
+            .map_or_else(|| MaybeHit::of(dispatch::closest_of(self, culling, ray)), MaybeHit)
     }
 
     fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool {

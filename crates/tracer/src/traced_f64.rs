@@ -10,7 +10,7 @@ use crate::bvh::builders::settings::{Builder, Leaves};
 use crate::bvh::frame::Span;
 use crate::bvh::wide::WideTree;
 use crate::dispatch::{Tracing, assert_room};
-use crate::hit::TriangleHit;
+use crate::hit::{MaybeHit, TriangleHit};
 use crate::hits::{Crossings, Source, Verdict, lanes_of};
 use crate::lanes::on_fast_lanes;
 use crate::leaf::blocks::Blocks;
@@ -72,11 +72,11 @@ impl<M: Method> Refine<M> for Parts<M> {
 impl<M: Method, K: Queries<M, f64>> TreeOf<M, K> {
     /// Traces a ray in the loop that is compiled for the method. `None` where there is none for this processor, and
     /// where boxes say nothing about the ray.
-    fn trace<Q: LeafQuery<M, f64>>(&self, query: Q, ray: &Ray<f64>) -> Option<Q::Found> {
+    fn trace<Q: LeafQuery<M, f64>>(&self, query: Q, ray: &Ray<f64>) -> Option<Q::Packed> {
         let Interval { tmin, tmax } = Interval::of(ray);
         let ray = Ray { tmin, tmax, ..*ray };
         match f64::enter(self.tree.frame.as_ref(), &ray) {
-            Entry::Missed => Some(Q::MISS),
+            Entry::Missed => Some(Q::pack(Q::MISS)),
             Entry::Boxes(boxed, span) => {
                 let seed = Alone { ray: ray.map(|&x| [x]), span };
                 on_fast_lanes(TraceOne { target: self, seed, query, ray: &boxed })
@@ -138,8 +138,8 @@ impl<M: Method, K: Queries<M, f64>> TracedIn<f64> for TreeOf<M, K> {
         fill(rays, found, |_, ray| self.any_by(tracing, culling, ray));
     }
 
-    fn closest_hit(&self, culling: Culling, ray: &Ray<f64>) -> TriangleHit<f64> {
-        self.closest_by(Tracing::Single, culling, ray)
+    fn closest_hit(&self, culling: Culling, ray: &Ray<f64>) -> MaybeHit<f64> {
+        MaybeHit::of(self.closest_by(Tracing::Single, culling, ray))
     }
 
     fn any_hit(&self, culling: Culling, ray: &Ray<f64>) -> bool {

@@ -10,7 +10,7 @@ use crate::bvh::builders::settings::{Builder, Leaves};
 use crate::bvh::builders::{self, RefitError};
 use crate::bvh::wide::Statistics;
 use crate::dispatch::{self, Traced, Tracing, assert_room};
-use crate::hit::TriangleHit;
+use crate::hit::{MaybeHit, TriangleHit};
 use crate::hits::{AllHits, Crossings, NotExact, Source, Verdict, all_of, lanes_of};
 use crate::lanes::PlainLanes;
 use crate::parallel::fill;
@@ -42,12 +42,11 @@ pub trait Tree<P: Precision = f32>: Send + Sync {
     fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<P>], found: &mut [bool]);
 
     /// The closest hit of one ray: that of [`Tree::closest`] with [`Tracing::Single`], to the bit. In a tree that is
-    /// [compiled for a method](Bvh), on a processor with [fast lanes](crate::fast_lanes), it allocates nothing. Where
-    /// there is none it is [`TriangleHit::NONE`], which fits into registers as an option does not.
-    fn closest_hit(&self, culling: Culling, ray: &Ray<P>) -> TriangleHit<P> {
+    /// [compiled for a method](Bvh), on a processor with [fast lanes](crate::fast_lanes), it allocates nothing.
+    fn closest_hit(&self, culling: Culling, ray: &Ray<P>) -> MaybeHit<P> {
         let mut found = None;
         self.closest(Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
-        found.unwrap_or(TriangleHit::NONE)
+        MaybeHit::of(found.unwrap_or(TriangleHit::NONE))
     }
 
     /// Whether one ray hits anything: as [`Tree::closest_hit`], of [`Tree::any`].
@@ -405,7 +404,7 @@ macro_rules! hits {
 }
 
 impl<M: Method, P: Precision> Tree<P> for Bvh<M, P> {
-    fn closest_hit(&self, culling: Culling, ray: &Ray<P>) -> TriangleHit<P> {
+    fn closest_hit(&self, culling: Culling, ray: &Ray<P>) -> MaybeHit<P> {
         self.traced.closest_hit(culling, ray)
     }
 

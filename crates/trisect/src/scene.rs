@@ -87,11 +87,13 @@ impl Scene {
 
     /// The first hit of a ray: that of the smallest `t`; of several at one point, that of the lowest index. On a
     /// processor with AVX2, AVX-512 or Neon it allocates nothing.
+    #[inline]
     pub fn first(&self, ray: &Ray) -> Option<Hit> {
         self.seen(Culling::None).first(ray)
     }
 
     /// Whether a ray hits anything: faster than [`first`](Scene::first), and allocates no more.
+    #[inline]
     pub fn any(&self, ray: &Ray) -> bool {
         self.seen(Culling::None).any(ray)
     }
@@ -170,6 +172,7 @@ impl Scene {
 
     /// The same scene for queries that do not see some faces. The front of a triangle is where its corners run
     /// counter-clockwise.
+    #[inline]
     pub fn seen(&self, culling: Culling) -> View<'_> {
         View { scene: self, culling, crossings: Crossings::Every }
     }
@@ -272,11 +275,13 @@ impl View<'_> {
     }
 
     /// As [`Scene::first`].
+    #[inline]
     pub fn first(&self, ray: &Ray) -> Option<Hit> {
         self.scene.tree.closest_hit(self.culling, ray).found().map(Hit::of)
     }
 
     /// As [`Scene::any`].
+    #[inline]
     pub fn any(&self, ray: &Ray) -> bool {
         self.scene.tree.any_hit(self.culling, ray)
     }

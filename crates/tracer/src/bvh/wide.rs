@@ -14,6 +14,8 @@ pub(crate) struct WideTree {
     /// Nodes on the longest way down.
     pub(crate) depth: usize,
     pub(crate) bounds: Bounds,
+    /// The largest coordinate of a box, in magnitude.
+    pub(crate) reach: f32,
     /// Whether tests of boxes must allow for their own rounding.
     pub(crate) is_robust: bool,
     /// Where boxes are in relation to triangles and rays; nowhere else where there is none.
@@ -92,6 +94,11 @@ impl WideTree {
     /// origin has no larger coordinates than the tree. In a [frame](super::frame) that says how much larger they
     /// are.
     pub(crate) fn widen_boxes(&mut self) {
+        self.widen();
+        self.reach = self.nodes[0].whole().largest();
+    }
+
+    fn widen(&mut self) {
         let margin = match &self.frame {
             Some(frame) => frame.margin,
             None if self.is_robust => return,

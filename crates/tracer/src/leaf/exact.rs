@@ -45,12 +45,18 @@ impl<B: Boxes, F: Faces, P: Real> Query for ExactClosest<B, F, P> {
     const ANY: bool = false;
     type Boxes = B;
     type Found = TriangleHit<P>;
+    type Packed = P::Packed;
     const MISS: TriangleHit<P> = TriangleHit::NONE;
     type Output = Option<TriangleHit<P>>;
 
     #[inline(always)]
     fn output(found: &TriangleHit<P>) -> Option<TriangleHit<P>> {
         found.found()
+    }
+
+    #[inline(always)]
+    fn pack(found: TriangleHit<P>) -> P::Packed {
+        P::pack(found)
     }
 }
 

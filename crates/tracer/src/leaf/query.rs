@@ -137,7 +137,7 @@ pub(crate) trait Queries<M: Method, P: Real = f32>:
     /// Whether a loop over single rays reads the numbers of a ray [side by side](RayBatch::line).
     const LINES: bool;
     /// The nearest hit.
-    type Closest<B: Boxes, F: Faces>: LeafQuery<M, P, Found = TriangleHit<P>, Output = Option<TriangleHit<P>>>;
+    type Closest<B: Boxes, F: Faces>: LeafQuery<M, P, Found = TriangleHit<P>, Packed = P::Packed, Output = Option<TriangleHit<P>>>;
 
     /// The nearest hit of a face that is seen.
     fn closest<B: Boxes, F: Faces>(faces: F) -> Self::Closest<B, F>;

@@ -5,8 +5,7 @@ use prefetch_index::prefetch_index;
 use trisect_core::{Lanes, Ray, Vec3};
 use trisect_method::Interval;
 
-use super::packet_bounds::Octant;
-use super::slabs::Slabs;
+use super::slabs::{Slabs, moves};
 use crate::bvh::bounds::Bounds;
 use crate::query::Boxes;
 use crate::vectors::{WIDTH, load, splat, store};
@@ -58,7 +57,9 @@ pub(crate) struct RayBatch<const N: usize = RAYS> {
     /// Where intervals end: at the best hit, where there is one.
     tmax: Row<N>,
     inverse: [Row<N>; 3],
-    start: [Row<N>; 3],
+    near: [Row<N>; 3],
+    /// Where tests are robust.
+    far: [Row<N>; 3],
 }
 
 /// Rays, and what is known of their hits. Together, so that a loop has both behind one pointer, and in this
@@ -77,7 +78,8 @@ impl RayBatch {
         tmin: [0.0; RAYS],
         tmax: [0.0; RAYS],
         inverse: [[0.0; RAYS]; 3],
-        start: [[0.0; RAYS]; 3],
+        near: [[0.0; RAYS]; 3],
+        far: [[0.0; RAYS]; 3],
     };
 
     /// Takes up to [`RAYS`] rays, and says in bits which of them have anything to find: not those that are not
@@ -93,6 +95,7 @@ impl RayBatch {
         lines: bool,
     ) -> u64 {
         let count = rays.len().min(RAYS);
+        let reach = whole.largest();
         let Bounds { min: [x, y, z], max } = *whole;
         let from = splat::<L>(token, Vec3::new(x, y, z));
         let to = splat::<L>(token, Vec3::new(max[0], max[1], max[2]));
@@ -113,11 +116,14 @@ impl RayBatch {
             store(ray.o, &mut self.o, at);
             store(ray.d, &mut self.d, at);
             let Interval { tmin, tmax } = Interval::of(&ray);
-            let slabs = Slabs::new::<B>(&ray);
+            let slabs = Slabs::new::<B>(&ray, reach);
             store(slabs.inverse, &mut self.inverse, at);
-            store(slabs.start, &mut self.start, at);
+            store(slabs.near, &mut self.near, at);
+            if B::ROBUST {
+                store(slabs.far, &mut self.far, at);
+            }
             let (enters, leaves) = slabs.cross_either_way::<B>(from, to, (tmin, tmax));
-            let meets = enters.le(leaves) & tmin.le(tmax);
+            let meets = enters.le(leaves) & tmin.le(tmax) & moves(&ray);
             tmin.store(&mut self.tmin[at..]);
             L::select(meets, tmax, tmax.constant(f32::NEG_INFINITY)).store(&mut self.tmax[at..]);
             some |= L::bits(meets) << at;
@@ -134,7 +140,8 @@ impl RayBatch {
     pub(crate) fn many_slabs<L: Lanes<Elem = f32>>(&self, token: L::Token, at: usize) -> Slabs<L> {
         Slabs {
             inverse: load(token, self.inverse.each_ref(), at),
-            start: load(token, self.start.each_ref(), at),
+            near: load(token, self.near.each_ref(), at),
+            far: load(token, self.far.each_ref(), at),
         }
     }
 
@@ -156,24 +163,25 @@ impl RayBatch {
 }
 
 impl RayBatch<1> {
-    /// One ray; `None` where it has nothing to find, as one has that is not finite.
+    /// One ray, without what tests of boxes need; `None` where it has nothing to find, as one has that is not finite.
     #[inline(always)]
-    pub(crate) fn of<B: Boxes>(ray: &Ray<f32>) -> Option<Self> {
+    pub(crate) fn of(ray: &Ray<f32>) -> Option<Self> {
         let Interval { tmin, tmax } = Interval::of(ray);
-        let Slabs { inverse, start } = Slabs::new::<B>(ray);
         let of = |v: Vec3<f32>| v.to_array().map(|x| [x]);
         let Ray { o, d, .. } = *ray;
-        let ray = Self {
+        let none = [[0.0]; 3];
+        let of_one = Self {
             lines: [[o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax]],
             o: of(o),
             d: of(d),
             tmin: [tmin],
             tmax: [tmax],
-            inverse: of(inverse),
-            start: of(start),
+            inverse: none,
+            near: none,
+            far: none,
         };
         // Not so where an end is NaN.
-        (tmin <= tmax).then_some(ray)
+        (tmin <= tmax && moves(ray)).then_some(of_one)
     }
 }
 
@@ -213,28 +221,16 @@ impl<const N: usize> RayBatch<N> {
         self.tmax[index % N] = tmax;
     }
 
-    /// Whether a ray's interval begins at zero or later: not so at −0.
-    #[inline(always)]
-    pub(crate) fn is_ahead(&self, index: usize) -> bool {
-        self.tmin[index % N].to_bits() >> 31 == 0
-    }
-
-    /// The octant of a ray.
-    #[inline(always)]
-    pub(crate) fn octant(&self, index: usize) -> Octant {
-        let at = index % N;
-        Octant::of(Vec3::new(self.inverse[0][at], self.inverse[1][at], self.inverse[2][at]))
-    }
-
     /// What the tests of boxes of one ray need, in all lanes.
     #[inline(always)]
     pub(crate) fn slabs<L: Lanes<Elem = f32>>(&self, token: L::Token, index: usize) -> Slabs<L> {
         let at = index % N;
-        let of = Slabs {
-            inverse: Vec3::new(self.inverse[0][at], self.inverse[1][at], self.inverse[2][at]),
-            start: Vec3::new(self.start[0][at], self.start[1][at], self.start[2][at]),
-        };
-        Slabs { inverse: splat(token, of.inverse), start: splat(token, of.start) }
+        let of = |rows: &[Row<N>; 3]| Vec3::new(rows[0][at], rows[1][at], rows[2][at]);
+        Slabs {
+            inverse: splat(token, of(&self.inverse)),
+            near: splat(token, of(&self.near)),
+            far: splat(token, of(&self.far)),
+        }
     }
 
     /// The interval of one ray, in all lanes.

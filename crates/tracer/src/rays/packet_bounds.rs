@@ -7,9 +7,8 @@
 use trisect_core::{Lanes, Vec3};
 
 use super::batch::{RAYS, RayBatch};
-use super::slabs::{Slabs, within};
+use super::slabs::{largest, margin, within};
 use crate::bvh::node::Node;
-use crate::query::Robust;
 use crate::vectors::{WIDTH, least, splat};
 
 /// The octant of directions: along each axis, which end of a box is nearer.
@@ -50,6 +49,8 @@ pub(crate) struct PacketBounds {
     /// The ends of the interval of inverse directions, of smaller and of larger magnitude.
     small: Vec3<f32>,
     large: Vec3<f32>,
+    /// How far sides are moved outwards.
+    margin: Vec3<f32>,
     tmin: f32,
     /// Where the last of their intervals ends.
     pub(crate) tmax: f32,
@@ -59,7 +60,12 @@ impl PacketBounds {
     /// Of those of some rays, in bits, whose directions are in the octant of the first of them: of that ray alone,
     /// where its inverse is NaN along an axis.
     #[inline(always)]
-    pub(crate) fn new<L: Lanes<Elem = f32>>(token: L::Token, batch: &RayBatch, some: u64) -> Self {
+    pub(crate) fn new<L: Lanes<Elem = f32>>(
+        token: L::Token,
+        batch: &RayBatch,
+        some: u64,
+        reach: f32,
+    ) -> Self {
         let zero = L::splat(token, 0.0);
         let first = some.trailing_zeros() as usize;
         let octant_of = batch.slabs::<L>(token, first).inverse;
@@ -87,7 +93,7 @@ impl PacketBounds {
             at += L::N;
         }
         if rays & some == 0 {
-            return Self::of_one(batch, first);
+            return Self::of_one(batch, first, reach);
         }
         let (o_min, o_max) = (across(o), -across(minus_o));
         let (r_min, r_max) = (across(r), -across(minus_r));
@@ -99,21 +105,23 @@ impl PacketBounds {
                 if z { a.z } else { b.z },
             )
         };
+        let large = pick(r_min, r_max);
         Self {
             rays: rays & some,
             octant: Octant::of(r_min),
             nearest: pick(o_min, o_max),
             farthest: pick(o_max, o_min),
             small: pick(r_max, r_min),
-            large: pick(r_min, r_max),
+            large,
+            margin: margin(reach, largest(o_min).max(largest(o_max)), large),
             tmin: least(tmin),
             tmax: -least(minus_tmax),
         }
     }
 
     /// Of one ray.
-    fn of_one(batch: &RayBatch, index: usize) -> Self {
-        let Slabs { inverse, start: _ } = batch.slabs::<f32>((), index);
+    fn of_one(batch: &RayBatch, index: usize, reach: f32) -> Self {
+        let inverse = batch.slabs::<f32>((), index).inverse;
         let (tmin, tmax) = batch.interval::<f32>((), index);
         let o = batch.ray(index).o;
         Self {
@@ -123,6 +131,7 @@ impl PacketBounds {
             farthest: o,
             small: inverse,
             large: inverse,
+            margin: margin(reach, largest(o), inverse),
             tmin,
             tmax,
         }
@@ -140,6 +149,7 @@ impl PacketBounds {
         let (nearest, farthest) =
             (splat::<L>(token, self.nearest), splat::<L>(token, self.farthest));
         let (small, large) = (splat::<L>(token, self.small), splat::<L>(token, self.large));
+        let margin = splat::<L>(token, self.margin);
         let interval = (L::splat(token, self.tmin), L::splat(token, self.tmax));
         let (mut met, mut lane) = (0, 0);
         while lane < WIDTH {
@@ -156,7 +166,7 @@ impl PacketBounds {
                 largest_product(far.z, small.z, large.z),
             );
             // Always robust: this rounds what the tests of single rays do not round.
-            let (from, to) = within::<L, Robust>(near, far, interval);
+            let (from, to) = within(near - margin, far + margin, interval);
             met |= L::bits(from.le(to)) << lane;
             from.store(&mut distances[lane..]);
             lane += L::N;
@@ -177,8 +187,7 @@ impl PacketBounds {
     }
 }
 
-/// The least product with a number between two of one sign, the larger of which may be infinite: NaN
-/// where a ray may lie in the plane.
+/// The least product with a number between two of one sign.
 #[inline(always)]
 fn least_product<L: Lanes>(x: L, small: L, large: L) -> L {
     (x * small).min(x * large)

@@ -12,93 +12,135 @@ use trisect_method::Interval;
 use crate::bvh::bounds::LARGEST;
 use crate::query::{Boxes, Robust};
 
-/// A coordinate of the direction that is smaller than this share of the largest counts as that share
-/// where tests are not robust, so that the distances to planes stay finite.
+/// A coordinate of the direction that is smaller than this share of the largest counts as that share where tests are
+/// not robust, so that the distances to planes stay finite.
 const FLATTEST: f32 = 1e-18;
 
-/// How far rounding may move the distance to a plane, relative to it: `(v − o)·(1/d)` rounds three
-/// times, the comparison of two of them counts both, and the rest is room for a hit that a watertight
-/// method accepts beside a box, since the corners that it sees are rounded as well.
+/// The same where they are: over all of the scene, such a ray moves along the axis by less than what sides are moved.
+const FLATTEST_ROBUST: f32 = 1.0 / (1 << 22) as f32;
+
+/// How far sides are moved outwards, in robust tests, relative to the largest coordinate of the origin and the largest
+/// of the scene: rounding takes six halves of [`f32::EPSILON`] and what is [flat](FLATTEST_ROBUST) four. The rest is room
+/// for a hit that a watertight method accepts beside a box, since the corners that it sees are rounded as well.
+const MARGIN: f32 = 16.0 * (f32::EPSILON / 2.0);
+
+/// How far rounding may move `t` of a hit, relative to it.
 pub(crate) const ROUNDINGS: f32 = 8.0 * (f32::EPSILON / 2.0);
 
-/// What underflow may take from the distances to two planes, and more: it is not subnormal, since numbers
+/// What underflow may take from the distance to a plane, and more: it is not subnormal, since numbers
 /// that are take long. Where the processor flushes them it may take a few of the smallest normal ones.
 pub(crate) const UNDERFLOW: f32 = 4.0 * f32::MIN_POSITIVE;
+
+/// The scene is so far away at most, in units of the largest coordinate of the direction, where robust tests say
+/// anything: no distance overflows then.
+const LONGEST: f32 = (1_u128 << 100) as f32;
 
 /// What is computed once per ray for the boxes.
 #[derive(Clone, Copy)]
 pub(crate) struct Slabs<L> {
-    /// The inverse of the direction. In robust tests it is plus infinity along an axis that the ray runs across,
-    /// and NaN along one that the test says nothing about.
+    /// The inverse of the direction. NaN where robust tests say nothing.
     pub(crate) inverse: Vec3<L>,
-    /// `origin · inverse`, to be subtracted from a coordinate's product with the inverse. In robust tests the
-    /// origin, to be subtracted from the coordinate itself: the error is relative to the distance then.
-    pub(crate) start: Vec3<L>,
+    /// `origin · inverse`, to be subtracted from a coordinate's product with the inverse, for a plane where the ray enters
+    /// a box. In robust tests with what moves the plane outwards.
+    pub(crate) near: Vec3<L>,
+    /// The same for a plane where it leaves one.
+    pub(crate) far: Vec3<L>,
+}
+
+/// The largest coordinate in magnitude.
+#[inline(always)]
+pub(crate) fn largest<L: Lanes>(v: Vec3<L>) -> L {
+    v.x.magnitude().max(v.y.magnitude()).max(v.z.magnitude())
+}
+
+/// Whether a ray moves at all.
+#[inline(always)]
+pub(crate) fn moves<L: Lanes<Elem = f32>>(ray: &Ray<L>) -> L::Mask {
+    largest(ray.d).gt(ray.d.x.constant(0.0))
+}
+
+/// How far sides are moved outwards, as a distance along an axis of that inverse direction: given
+/// [`reach`](Slabs::new), and the largest coordinate of the origin.
+#[inline(always)]
+pub(crate) fn margin<L: Lanes<Elem = f32>>(reach: f32, o: L, inverse: Vec3<L>) -> Vec3<L> {
+    let by = (o + o.constant(reach)) * o.constant(MARGIN);
+    let along = |inverse: L| inverse.magnitude() * by + by.constant(UNDERFLOW);
+    Vec3::new(along(inverse.x), along(inverse.y), along(inverse.z))
 }
 
 impl<L: Lanes<Elem = f32>> Slabs<L> {
+    /// Of a ray among boxes of which no coordinate is larger in magnitude than `reach`.
     #[inline(always)]
-    pub(crate) fn new<B: Boxes>(ray: &Ray<L>) -> Self {
+    pub(crate) fn new<B: Boxes>(ray: &Ray<L>, reach: f32) -> Self {
         let Ray { o, d, .. } = *ray;
-        if B::ROBUST {
-            let inverse = Vec3::new(
-                certain_inverse(o.x, d.x),
-                certain_inverse(o.y, d.y),
-                certain_inverse(o.z, d.z),
-            );
-            return Self { inverse, start: o };
-        }
         let one = o.x.constant(1.0);
-        let (x, y, z) = (d.x.magnitude(), d.y.magnitude(), d.z.magnitude());
-        let least = x.max(y).max(z) * o.x.constant(FLATTEST);
-        let inverse = Vec3::new(
-            one / x.max(least).xor_sign(d.x),
-            one / y.max(least).xor_sign(d.y),
-            one / z.max(least).xor_sign(d.z),
-        );
-        let start = Vec3::new(o.x * inverse.x, o.y * inverse.y, o.z * inverse.z);
-        Self { inverse, start }
+        let fastest = largest(d);
+        let flattest = if B::ROBUST { FLATTEST_ROBUST } else { FLATTEST };
+        let least = fastest * o.x.constant(flattest);
+        let inverse = |d: L| one / d.magnitude().max(least).xor_sign(d);
+        let inverse = Vec3::new(inverse(d.x), inverse(d.y), inverse(d.z));
+        let start = |inverse: Vec3<L>| Vec3::new(o.x * inverse.x, o.y * inverse.y, o.z * inverse.z);
+        if !B::ROBUST {
+            let start = start(inverse);
+            return Self { inverse, near: start, far: start };
+        }
+        let from = largest(o);
+        let away = from + from.constant(reach);
+        let constant = |x: f32| one.constant(x);
+        let is_sure =
+            away.max(fastest).le(constant(LARGEST)) & away.le(fastest * constant(LONGEST));
+        let if_sure = |x: L| L::select(is_sure, x, constant(f32::NAN));
+        let inverse = Vec3::new(if_sure(inverse.x), if_sure(inverse.y), if_sure(inverse.z));
+        let (start, margin) = (start(inverse), margin(reach, from, inverse));
+        Self { inverse, near: start + margin, far: start - margin }
     }
 
-    /// The distances to planes of one coordinate each, infinite, or NaN for a plane that the ray lies in.
+    /// The distances to planes of one coordinate each.
     #[inline(always)]
-    fn distances<B: Boxes>(&self, planes: Vec3<L>) -> Vec3<L> {
-        let (r, s) = (self.inverse, self.start);
-        if B::ROBUST {
-            Vec3::new((planes.x - s.x) * r.x, (planes.y - s.y) * r.y, (planes.z - s.z) * r.z)
-        } else {
-            Vec3::new(
-                planes.x.mul_sub(r.x, s.x),
-                planes.y.mul_sub(r.y, s.y),
-                planes.z.mul_sub(r.z, s.z),
-            )
-        }
+    fn distances(&self, planes: Vec3<L>, start: Vec3<L>) -> Vec3<L> {
+        let r = self.inverse;
+        Vec3::new(
+            planes.x.mul_sub(r.x, start.x),
+            planes.y.mul_sub(r.y, start.y),
+            planes.z.mul_sub(r.z, start.z),
+        )
+    }
+
+    /// Where a ray enters, by planes of one coordinate each.
+    #[inline(always)]
+    fn enters(&self, planes: Vec3<L>) -> Vec3<L> {
+        self.distances(planes, self.near)
+    }
+
+    /// Where it leaves.
+    #[inline(always)]
+    fn leaves<B: Boxes>(&self, planes: Vec3<L>) -> Vec3<L> {
+        self.distances(planes, if B::ROBUST { self.far } else { self.near })
     }
 
     /// Where rays enter boxes and where they leave them, within their intervals, from the coordinates of
     /// the nearer and the farther planes. They meet where the first is at most the second.
     #[inline(always)]
     pub(crate) fn cross<B: Boxes>(&self, near: Vec3<L>, far: Vec3<L>, interval: (L, L)) -> (L, L) {
-        let (near, far) = (self.distances::<B>(near), self.distances::<B>(far));
-        within::<L, B>(near, far, interval)
+        within(self.enters(near), self.leaves::<B>(far), interval)
     }
 
-    /// The same for a ray that goes alone, and waits for nothing else. Where tests are not robust and its interval
-    /// begins at zero or later, distances are compared by their bits, which takes a quarter of the time. Negative ones
-    /// are in no order then, but what ends at any of them is missed.
+    /// The same for a ray that goes alone, and waits for nothing else. Where nothing is NaN and its interval begins at
+    /// zero or later, which makes it `plain`, distances are compared by their bits, which takes a quarter of the time.
+    /// Negative ones are in no order then, but what ends at any of them is missed.
     #[inline(always)]
     pub(crate) fn cross_alone<B: Boxes>(
         &self,
         near: Vec3<L>,
         far: Vec3<L>,
         (tmin, tmax): (L, L),
-        is_ahead: bool,
+        is_plain: bool,
     ) -> (L, L) {
-        if B::ROBUST || !is_ahead {
+        if !is_plain {
             return self.cross::<B>(near, far, (tmin, tmax));
         }
         // Negated, so that what is not negative has larger bits than what is.
-        let (near, far) = (self.distances::<B>(near), self.distances::<B>(far));
+        let (near, far) = (self.enters(near), self.leaves::<B>(far));
         let from = (-near.x).max_bits(-near.y).max_bits((-near.z).max_bits(-tmin));
         let to = (-far.x).min_bits(-far.y).min_bits((-far.z).min_bits(-tmax));
         (-from, -to)
@@ -112,12 +154,12 @@ impl<L: Lanes<Elem = f32>> Slabs<L> {
         to: Vec3<L>,
         interval: (L, L),
     ) -> (L, L) {
-        let (a, b) = (self.distances::<B>(from), self.distances::<B>(to));
-        // Where the ray lies in a plane, its distance is NaN and the inverse plus infinity: the box
-        // begins at minus infinity or at NaN, and ends at plus infinity or at NaN.
+        let (a, b) = (self.enters(from), self.enters(to));
         let near = Vec3::new(b.x.min(a.x), b.y.min(a.y), b.z.min(a.z));
+        let (a, b) =
+            if B::ROBUST { (self.leaves::<B>(from), self.leaves::<B>(to)) } else { (a, b) };
         let far = Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
-        within::<L, B>(near, far, interval)
+        within(near, far, interval)
     }
 }
 
@@ -126,41 +168,18 @@ impl<L: Lanes<Elem = f32>> Slabs<L> {
 #[inline]
 pub fn meets_box(ray: &Ray<f32>, low: Vec3<f32>, high: Vec3<f32>) -> bool {
     let Interval { tmin, tmax } = Interval::of(ray);
-    let slabs = Slabs::new::<Robust>(ray);
+    let slabs = Slabs::new::<Robust>(ray, largest(low).max(largest(high)));
     let (enters, leaves) = slabs.cross_either_way::<Robust>(low, high, (tmin, tmax));
-    enters <= leaves && tmin <= tmax
+    enters <= leaves && tmin <= tmax && moves(ray)
 }
 
-/// The inverse of a coordinate of the direction: plus infinity for either zero. NaN, which says nothing, where
-/// it is infinite though the ray moves along the axis, or where what is computed with it may overflow.
+/// The last of three slabs that is entered and the first that is left, within an interval. Those of all axes may be NaN,
+/// which says nothing.
 #[inline(always)]
-fn certain_inverse<L: Lanes<Elem = f32>>(o: L, d: L) -> L {
-    let (zero, infinity) = (d.constant(0.0), d.constant(f32::INFINITY));
-    let nothing = d.constant(f32::NAN);
-    let inverse = d.constant(1.0) / d;
-    let is_finite = inverse.magnitude().lt(infinity);
-    let of_infinite = L::select(d.magnitude().gt(zero), nothing, infinity);
-    let inverse = L::select(is_finite, inverse, of_infinite);
-    let is_large = o.magnitude().max(d.magnitude()).gt(d.constant(LARGEST));
-    L::select(is_large, nothing, inverse)
-}
-
-/// The last of three slabs that is entered and the first that is left, within an interval. What is NaN
-/// says nothing.
-#[inline(always)]
-pub(crate) fn within<L: Lanes<Elem = f32>, B: Boxes>(
+pub(crate) fn within<L: Lanes<Elem = f32>>(
     near: Vec3<L>,
     far: Vec3<L>,
     (tmin, tmax): (L, L),
 ) -> (L, L) {
-    if !B::ROBUST {
-        // Shorter chains, where nothing is NaN.
-        return (near.x.max(near.y).max(near.z.max(tmin)), far.x.min(far.y).min(far.z.min(tmax)));
-    }
-    let from = near.z.max(near.y.max(near.x.max(tmin)));
-    let to = far.z.min(far.y.min(far.x.min(tmax)));
-    let by = from.constant(ROUNDINGS);
-    // All that underflow may take, at one end: a box that the ray begins in is to begin at zero.
-    let slack = to.magnitude().mul_add(by, to.constant(UNDERFLOW));
-    (from - from.magnitude() * by, to + slack)
+    (near.x.max(near.y).max(near.z.max(tmin)), far.x.min(far.y).min(far.z.min(tmax)))
 }

@@ -46,6 +46,7 @@ pub(crate) fn in_packets<T, L, Q>(
             let mut batch = RayBatch::EMPTY;
             let mut items = vec![Waiting { key: 0, rays: 0 }; stack::room(tree.depth)];
             let whole = tree.nodes[0].whole();
+            let reach = whole.largest();
             let mut start = 0;
             while start < rays.len() {
                 let part = start..rays.len().min(start + RAYS);
@@ -68,7 +69,7 @@ pub(crate) fn in_packets<T, L, Q>(
                 };
                 leaves.clear();
                 while left != 0 {
-                    let bounds = PacketBounds::new::<L>(token, &batch, left);
+                    let bounds = PacketBounds::new::<L>(token, &batch, left, reach);
                     left &= !bounds.rays;
                     go::<T, L, Q>(tree, leaves, token, &mut batch, bounds, &mut items);
                 }

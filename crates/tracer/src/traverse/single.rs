@@ -7,9 +7,11 @@ use trisect_core::{Lanes, Ray, Token as _};
 use super::stack::{self, Stack};
 use super::target::Target;
 use crate::bvh::node::{Child, Node, child};
-use crate::query::Query;
+use crate::query::{Boxes, Query};
 use crate::rays::batch::{RAYS, RayBatch, Work, prefetch};
-use crate::vectors::WIDTH;
+use crate::rays::packet_bounds::Octant;
+use crate::rays::slabs::Slabs;
+use crate::vectors::{WIDTH, splat};
 
 /// What waits to be visited: the [`key`](stack::key) of a child; where any hit will do, the index of a node, and
 /// above it, in bits, those of its children that are left.
@@ -18,6 +20,77 @@ type Waiting = u64;
 /// Rays that are on their way at the same time: while one waits for the outcome of its last test, the others go
 /// on. More were slower.
 const IN_FLIGHT: usize = 4;
+
+/// How a ray is tested against the boxes of a node.
+trait Crossing<L: Lanes<Elem = f32>, Q: Query, const N: usize>: Copy {
+    /// Where one of some rays enters as many boxes as there are lanes, from box `lane` on, and where it leaves them.
+    fn cross(
+        self,
+        token: L::Token,
+        rays: &RayBatch<N>,
+        index: usize,
+        node: &Node,
+        lane: usize,
+    ) -> (L, L);
+}
+
+/// By what is stored of the ray among others.
+#[derive(Clone, Copy)]
+struct Stored;
+
+impl<L: Lanes<Elem = f32>, Q: Query> Crossing<L, Q, RAYS> for Stored {
+    #[inline(always)]
+    fn cross(
+        self,
+        token: L::Token,
+        rays: &RayBatch,
+        index: usize,
+        node: &Node,
+        lane: usize,
+    ) -> (L, L) {
+        let slabs = rays.slabs::<L>(token, index);
+        let from = node.planes::<L>(token, [0; 3], lane);
+        let to = node.planes::<L>(token, [1; 3], lane);
+        slabs.cross_either_way::<Q::Boxes>(from, to, rays.interval::<L>(token, index))
+    }
+}
+
+/// By what is known of a ray that goes alone: in registers, as far as there are any.
+#[derive(Clone, Copy)]
+struct Alone<L> {
+    slabs: Slabs<L>,
+    octant: Octant,
+    is_plain: bool,
+}
+
+impl<L: Lanes<Elem = f32>> Alone<L> {
+    #[inline(always)]
+    fn new<B: Boxes>(token: L::Token, ray: &Ray<f32>, reach: f32) -> Self {
+        let slabs = Slabs::new::<B>(ray, reach);
+        let inverse = slabs.inverse;
+        let octant = Octant::of(inverse);
+        // Not where the interval begins at −0.
+        let is_plain = ray.tmin.to_bits() >> 31 == 0 && !inverse.x.is_nan();
+        let [inverse, near, far] = [inverse, slabs.near, slabs.far].map(|v| splat::<L>(token, v));
+        Self { slabs: Slabs { inverse, near, far }, octant, is_plain }
+    }
+}
+
+impl<L: Lanes<Elem = f32>, Q: Query> Crossing<L, Q, 1> for Alone<L> {
+    #[inline(always)]
+    fn cross(
+        self,
+        token: L::Token,
+        rays: &RayBatch<1>,
+        index: usize,
+        node: &Node,
+        lane: usize,
+    ) -> (L, L) {
+        let (near, far) = self.octant.planes::<L>(token, node, lane);
+        let interval = rays.interval::<L>(token, index);
+        self.slabs.cross_alone::<Q::Boxes>(near, far, interval, self.is_plain)
+    }
+}
 
 /// A ray under way. Aligned, so that no vector of it is in two cache lines.
 #[repr(C, align(64))]
@@ -52,33 +125,25 @@ impl<'a> Flight<'a, '_> {
         *left &= *left - 1;
         self.waiting.clear();
         self.at = 0;
-        self.visit::<L, Q, _>(token, rays, root);
+        self.visit::<L, Q, _, _>(token, rays, Stored, root);
         true
     }
 
     #[inline(always)]
-    fn visit<L: Lanes<Elem = f32>, Q: Query, const N: usize>(
+    fn visit<L: Lanes<Elem = f32>, Q: Query, C: Crossing<L, Q, N>, const N: usize>(
         &mut self,
         token: L::Token,
         rays: &RayBatch<N>,
+        crossing: C,
         node: &'a Node,
     ) {
-        let slabs = rays.slabs::<L>(token, self.ray);
-        let interval = rays.interval::<L>(token, self.ray);
         if !Q::ANY {
             self.node = node;
         }
         self.met = 0;
         let mut lane = 0;
         while lane < WIDTH {
-            let (from, to) = if const { N == 1 } {
-                let (near, far) = rays.octant(self.ray).planes::<L>(token, node, lane);
-                slabs.cross_alone::<Q::Boxes>(near, far, interval, rays.is_ahead(self.ray))
-            } else {
-                let from = node.planes::<L>(token, [0; 3], lane);
-                let to = node.planes::<L>(token, [1; 3], lane);
-                slabs.cross_either_way::<Q::Boxes>(from, to, interval)
-            };
+            let (from, to) = crossing.cross(token, rays, self.ray, node, lane);
             self.met |= L::bits(from.le(to)) << lane;
             if !Q::ANY {
                 from.store(&mut self.distances[lane..]);
@@ -156,13 +221,20 @@ impl<'a> Flight<'a, '_> {
 
     /// Visits a node or a leaf; whether the ray has left the tree.
     #[inline(always)]
-    fn step<A: Target<'a, Q, N>, L: Lanes<Elem = f32>, Q: Query, const N: usize>(
+    fn step<A, L, Q, C, const N: usize>(
         &mut self,
         target: A,
         token: L::Token,
         query: Q,
+        crossing: C,
         work: &mut Work<A::Hits, N>,
-    ) -> bool {
+    ) -> bool
+    where
+        A: Target<'a, Q, N>,
+        L: Lanes<Elem = f32>,
+        Q: Query,
+        C: Crossing<L, Q, N>,
+    {
         let next =
             if Q::ANY { self.next::<N>(&target.tree().nodes) } else { self.nearest(&work.rays) };
         let Some(current) = next else { return true };
@@ -171,7 +243,7 @@ impl<'a> Flight<'a, '_> {
                 if Q::ANY {
                     self.at = at;
                 }
-                self.visit::<L, Q, _>(token, &work.rays, &target.tree().nodes[at]);
+                self.visit::<L, Q, _, _>(token, &work.rays, crossing, &target.tree().nodes[at]);
             }
             Child::Leaf(first, count) => {
                 self.met = 0;
@@ -241,7 +313,8 @@ pub(crate) fn one<'a, A: Target<'a, Q, 1>, L: Lanes<Elem = f32>, Q: Query>(
 ) -> Q::Found {
     let tree = target.tree();
     let root = &tree.nodes[0];
-    let Some(rays) = RayBatch::of::<Q::Boxes>(ray) else { return Q::MISS };
+    let Some(rays) = RayBatch::of(ray) else { return Q::MISS };
+    let alone = Alone::<L>::new::<Q::Boxes>(token, &rays.ray(0), tree.reach);
     let mut flight = Flight {
         ray: 0,
         node: root,
@@ -250,12 +323,12 @@ pub(crate) fn one<'a, A: Target<'a, Q, 1>, L: Lanes<Elem = f32>, Q: Query>(
         distances: [0.0; WIDTH],
         waiting: Stack::new(items),
     };
-    flight.visit::<L, Q, _>(token, &rays, root);
+    flight.visit::<L, Q, _, _>(token, &rays, alone, root);
     if flight.met == 0 {
         return Q::MISS;
     }
     let mut work = Work { rays, hits: A::hits(seed) };
-    while !flight.step::<A, L, Q, 1>(target, token, query, &mut work) {}
+    while !flight.step::<A, L, Q, _, 1>(target, token, query, alone, &mut work) {}
     target.finish(&mut work)[0]
 }
 
@@ -291,7 +364,7 @@ fn go<'a, A: Target<'a, Q>, L: Lanes<Elem = f32>, Q: Query>(
             let mut at = 0;
             while count > 0 {
                 let flight = &mut flights[at % IN_FLIGHT];
-                if flight.step::<A, L, Q, RAYS>(target, token, query, work)
+                if flight.step::<A, L, Q, _, RAYS>(target, token, query, Stored, work)
                     && !flight.launch::<L, Q>(token, &work.rays, root, &mut left)
                 {
                     count -= 1;

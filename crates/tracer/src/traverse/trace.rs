@@ -49,18 +49,16 @@ pub(crate) struct TraceOne<'a, A: Target<'a, Q, 1>, Q: Query> {
 }
 
 impl<'a, A: Target<'a, Q, 1>, Q: Query> Job for TraceOne<'a, A, Q> {
-    /// In registers, on all of the way to the caller: what is written field by field and copied as a whole costs as
-    /// much as visiting a node.
-    type Output = Q::Found;
+    type Output = Q::Packed;
 
-    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> Q::Found {
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> Q::Packed {
         let Self { target, seed, query, ray } = self;
         stack::with_room(
             #[inline(always)]
             |items| {
                 token.run(
                     #[inline(always)]
-                    move || one::<A, L, Q>(target, seed, token, query, ray, items),
+                    move || Q::pack(one::<A, L, Q>(target, seed, token, query, ray, items)),
                 )
             },
         )

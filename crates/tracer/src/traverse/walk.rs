@@ -13,7 +13,7 @@ use crate::bvh::node::{Child, child};
 use crate::bvh::wide::WideTree;
 use crate::lanes::Job;
 use crate::query::Robust;
-use crate::rays::slabs::Slabs;
+use crate::rays::slabs::{Slabs, moves};
 use crate::vectors::WIDTH;
 
 /// Visits the leaves that a ray may meet; how many nodes it visits.
@@ -45,10 +45,12 @@ fn walk<L: Lanes<Elem = f32>>(
     items: &mut [u64],
 ) -> usize {
     let Interval { tmin, mut tmax } = Interval::of(ray);
-    let slabs = Slabs::new::<Robust>(&Ray::splat(token, ray));
+    let slabs = Slabs::new::<Robust>(&Ray::splat(token, ray), tree.reach);
     let mut waiting = Stack::new(items);
     let mut visited = 0;
-    waiting.push(stack::key(tmin, 0));
+    if moves(ray) {
+        waiting.push(stack::key(tmin, 0));
+    }
     while let Some(item) = waiting.pop() {
         // What begins behind the best hit need not be visited any more.
         if stack::distance(item) > tmax {

@@ -47,7 +47,7 @@ pub(crate) fn build(
         outline(triangles, is_in, builder, leaves, kinds);
     let Layout { nodes, blocks: members, depth, references } = layout;
     let origin = Origin { builder, triangles: triangles.len(), left_out, references };
-    let mut tree = WideTree { nodes, depth, bounds, is_robust, frame, origin };
+    let mut tree = WideTree { nodes, depth, bounds, reach: 0.0, is_robust, frame, origin };
     if unit != 1.0 {
         // Boxes were rounded when they were scaled.
         tree.bounds = fit_boxes(&mut tree.nodes, triangles, is_in, &members);
