@@ -61,6 +61,11 @@ pub(crate) enum Verb {
         /// The shell
         shell: clap_complete::Shell,
     },
+    /// Print the manual page of the command, or of one of its commands, in roff
+    Man {
+        /// One of its commands
+        command: Option<String>,
+    },
 }
 
 #[derive(Debug, Args)]

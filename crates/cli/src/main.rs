@@ -18,7 +18,7 @@ mod verify;
 
 use std::process::ExitCode;
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use clap::{CommandFactory as _, Parser as _};
 use trisect_mesh::cut;
 use trisect_studies::{StudyError, WrongAnswer};
@@ -37,6 +37,21 @@ fn main() -> ExitCode {
             ended(output::print_by_clap(&message), code)
         }
     }
+}
+
+/// The manual page of the command, or of one of its commands, in roff.
+fn manual_page(of: Option<&str>) -> Result<Vec<u8>> {
+    let mut command = Arguments::command();
+    command.build();
+    if let Some(name) = of {
+        let of_name = command.find_subcommand(name).cloned();
+        command = of_name.with_context(|| {
+            format!("unknown command `{name}`; `trisect --help` lists the commands")
+        })?;
+    }
+    let mut page = Vec::new();
+    clap_mangen::Man::new(command).render(&mut page)?;
+    Ok(page)
 }
 
 /// Does what is asked.
@@ -61,6 +76,10 @@ fn run(arguments: Arguments) -> Result<()> {
             clap_complete::generate(shell, &mut Arguments::command(), "trisect", &mut script);
             out.write_all(&script)
         }),
+        Some(Verb::Man { command }) => {
+            let page = manual_page(command.as_deref())?;
+            output::print(|out| out.write_all(&page))
+        }
     }
 }
 

@@ -16,13 +16,15 @@ fn full() -> File {
 }
 
 /// Something of every verb that ends at once, the record `r.jsonl` being there.
-const ANSWERS: [&str; 10] = [
+const ANSWERS: [&str; 12] = [
     "--help",
     "render --help",
     "--version",
     "list",
     "list --json",
     "completions bash",
+    "man",
+    "man render",
     "query --mesh mesh.obj --rays rays.csv --method wald",
     "trace --mesh mesh.obj --rays rays.csv --repeat 1",
     "verify --mesh mesh.obj --rays rays.csv --methods wald",
@@ -30,7 +32,7 @@ const ANSWERS: [&str; 10] = [
 ];
 
 /// Something of every verb that is refused.
-const REFUSED: [&str; 15] = [
+const REFUSED: [&str; 16] = [
     "--mesh none.obj",
     "measure --mesh none.obj",
     "rank none.jsonl",
@@ -46,6 +48,7 @@ const REFUSED: [&str; 15] = [
     "explain none.toml",
     "pictures --methods none",
     "intersect",
+    "man intersect",
 ];
 
 fn folder() -> Folder {
