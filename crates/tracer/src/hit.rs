@@ -34,6 +34,12 @@ impl<P: Real> MaybeHit<P> {
     }
 }
 
+impl<P: Real> From<Option<TriangleHit<P>>> for MaybeHit<P> {
+    fn from(found: Option<TriangleHit<P>>) -> Self {
+        Self::of(found.unwrap_or(TriangleHit::NONE))
+    }
+}
+
 impl<P: Real> TriangleHit<P> {
     /// No hit: farther than every hit, and nearer than infinity, which stands for a lane without one.
     pub(crate) const NONE: Self =

@@ -46,7 +46,7 @@ pub trait Tree<P: Precision = f32>: Send + Sync {
     fn closest_hit(&self, culling: Culling, ray: &Ray<P>) -> MaybeHit<P> {
         let mut found = None;
         self.closest(Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
-        MaybeHit::of(found.unwrap_or(TriangleHit::NONE))
+        found.into()
     }
 
     /// Whether one ray hits anything: as [`Tree::closest_hit`], of [`Tree::any`].

@@ -1,34 +1,53 @@
 //! Where a ray hits.
 
+use std::fmt;
+
 use trisect_core::Vec3;
 use trisect_tracer::TriangleHit;
 
-use crate::Scene;
+use crate::{Precision, Scene};
 
 /// A triangle that a ray hits, and where.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+#[derive(Clone, Copy, PartialEq)]
+pub struct Hit<P = f32> {
     /// The triangle: the index of its face, or its place among the triangles that the scene was made of.
     pub triangle: u32,
     /// How far along the ray: the hit is at `o + t·d`.
-    pub t: f32,
+    pub t: P,
     /// The weight of the triangle's second corner.
-    pub beta: f32,
+    pub beta: P,
     /// The weight of its third corner.
-    pub gamma: f32,
+    pub gamma: P,
 }
 
-impl Hit {
+impl<P: Precision> fmt::Debug for Hit<P> {
+    /// With all three weights.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { triangle, t, beta, gamma } = self;
+        f.debug_struct("Hit")
+            .field("triangle", triangle)
+            .field("t", t)
+            .field("alpha", &self.alpha())
+            .field("beta", beta)
+            .field("gamma", gamma)
+            .finish()
+    }
+}
+
+impl<P: Precision> Hit<P> {
     #[inline(always)]
-    pub(crate) fn of(TriangleHit { triangle, hit }: TriangleHit) -> Self {
+    pub(crate) fn of(TriangleHit { triangle, hit }: TriangleHit<P>) -> Self {
         Self { triangle, t: hit.t, beta: hit.beta, gamma: hit.gamma }
     }
 
     /// The weight of the triangle's first corner: 1 − `beta` − `gamma`, rounded once, and 0 where that is less.
-    #[allow(clippy::cast_possible_truncation, reason = "rounds")]
     #[inline]
-    pub fn alpha(&self) -> f32 {
-        (1.0 - f64::from(self.beta) - f64::from(self.gamma)).max(0.0) as f32
+    pub fn alpha(&self) -> P {
+        let (beta, gamma) = (self.beta.to_f64(), self.gamma.to_f64());
+        // What the first difference loses, which is nothing in f32, comes back in the second.
+        let rest = 1.0 - beta;
+        let lost = (1.0 - rest) - beta;
+        P::from_f64(((rest - gamma) + lost).max(0.0))
     }
 
     /// The point of the triangle that is hit, from its corners as `scene` has them now and their weights: nearer to
@@ -36,13 +55,12 @@ impl Hit {
     ///
     /// # Panics
     /// When the scene has no such triangle.
-    #[allow(clippy::cast_possible_truncation, reason = "rounds")]
-    pub fn point(&self, scene: &Scene) -> [f32; 3] {
+    pub fn point(&self, scene: &Scene<P>) -> [P; 3] {
         let corners = scene.corners(self.triangle);
-        let weights = [self.alpha(), self.beta, self.gamma].map(f64::from);
+        let weights = [self.alpha(), self.beta, self.gamma].map(P::to_f64);
         let point = |axis: usize| {
             let weighted = |k: usize| weights[k] * corners[k].to_array()[axis];
-            (weighted(0) + weighted(1) + weighted(2)) as f32
+            P::from_f64(weighted(0) + weighted(1) + weighted(2))
         };
         [0, 1, 2].map(point)
     }
@@ -53,30 +71,30 @@ impl Hit {
     ///
     /// # Panics
     /// When the scene has no such triangle.
-    #[allow(clippy::cast_possible_truncation, reason = "rounds")]
-    pub fn normal(&self, scene: &Scene) -> [f32; 3] {
+    pub fn normal(&self, scene: &Scene<P>) -> [P; 3] {
         let [a, b, c] = scene.corners(self.triangle);
         let normal: Vec3<f64> = (b - a).cross(c - a);
         let length = normal.dot(normal).sqrt();
-        if length > 0.0 { normal.to_array().map(|x| (x / length) as f32) } else { [0.0; 3] }
+        let share = |x: f64| P::from_f64(if length > 0.0 { x / length } else { 0.0 });
+        normal.to_array().map(share)
     }
 }
 
 /// All hits of each of many rays.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct AllHits(pub(crate) trisect_tracer::AllHits);
+#[derive(Clone, Debug, PartialEq)]
+pub struct AllHits<P = f32>(pub(crate) trisect_tracer::AllHits<P>);
 
-impl AllHits {
+impl<P: Precision> AllHits<P> {
     /// The hits of a ray, by its place among the rays, in order.
     ///
     /// # Panics
     /// When there is no such ray.
-    pub fn of(&self, ray: usize) -> impl ExactSizeIterator<Item = Hit> + '_ {
+    pub fn of(&self, ray: usize) -> impl ExactSizeIterator<Item = Hit<P>> + '_ {
         self.0.of(ray).iter().copied().map(Hit::of)
     }
 
     /// The hits of all rays, one ray after another.
-    pub fn hits(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
+    pub fn hits(&self) -> impl ExactSizeIterator<Item = Hit<P>> + '_ {
         self.0.hits().iter().copied().map(Hit::of)
     }
 

@@ -16,11 +16,9 @@ fn scenes(triangles: &[Triangle]) -> [Scene; 3] {
 }
 
 /// Bits of all numbers, so that NaN and zeros of both signs are told apart.
-fn bits(hit: Option<Hit>) -> Option<[u32; 5]> {
+fn bits(hit: Option<Hit>) -> Option<[u32; 4]> {
     let number = f32::to_bits;
-    hit.map(|Hit { triangle, t, alpha, beta, gamma }| {
-        [triangle, number(t), number(alpha), number(beta), number(gamma)]
-    })
+    hit.map(|Hit { triangle, t, beta, gamma }| [triangle, number(t), number(beta), number(gamma)])
 }
 
 fn agree(triangles: &[Triangle], rays: &[Ray]) {
