@@ -172,7 +172,7 @@ impl Frame {
             return Entry::Everywhere;
         }
         let o = self.bring(ray.o);
-        if !(largest(o) <= NEAR) {
+        if largest(o) > NEAR {
             return self.enter_from_afar(ray, d, (tmin, tmax), unit);
         }
         let (tmin, tmax) = (down(tmin * unit), up(tmax * unit));
