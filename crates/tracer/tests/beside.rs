@@ -1,5 +1,5 @@
-//! What tracing plainly promises: no box discards a true hit; and what it does not: a method that takes a ray
-//! beside a triangle for a hit may lose that to a box.
+//! What tracing plainly promises: no box discards a true hit; and what it does beyond: what a method that rounds takes for
+//! a hit beside a triangle is found as well, as far as sides of boxes are moved outwards.
 
 mod common;
 
@@ -41,7 +41,7 @@ fn said(triangle: Triangle<f32>, ray: &Ray<f32>) -> [(&'static str, (bool, bool)
 
 /// A roof whose ridge is a side of its box, and rays along an axis that pass above it.
 #[test]
-fn a_hit_beside_the_box_may_be_lost() {
+fn a_hit_beside_the_box_is_found() {
     let roof = Triangle::<f32>::new([-1.0, 0.0, 0.0], [1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]);
     // By a unit in the last place, which some methods take for a hit: tree or no tree.
     let near = Ray::<f32>::new([0.0, -5.0, 1.0_f32.next_up()], [0.0, 1.0, 0.0]);
@@ -50,13 +50,13 @@ fn a_hit_beside_the_box_may_be_lost() {
         assert_eq!(all, plain, "{method}");
         assert_eq!(all, ["keidy", "havel-herout", "angle-sum"].contains(&method), "{method}");
     }
-    // From afar they are off by more than any box can know.
+    // From afar they are off by more, and sides are moved by more.
     let roof = Triangle::<f32>::new([-10.0, 0.0, 0.9], [10.0, 0.1, 1.0], [-10.0, 0.1, 1.0]);
     let far = Ray::<f32>::new([0.0, -1e4, 1.00001], [0.0, 1.0, 0.0]);
     assert_eq!(Oracle::default().classify(&far, &roof), Class::Miss);
     for (method, found) in said(roof, &far) {
         let is_off = ["keidy", "havel-herout", "angle-sum"].contains(&method);
-        assert_eq!(found, (is_off, false), "{method}");
+        assert_eq!(found, (is_off, is_off), "{method}");
     }
     // What is truly hit is found by all that find it without a tree, as most do.
     for z in [0.95, 1.0] {
