@@ -2,6 +2,7 @@
 
 use fearless_simd::Level;
 
+use crate::lanes::Lanes;
 use crate::named;
 
 named! {
@@ -51,6 +52,8 @@ impl InstructionSet {
 pub trait Token: Copy + Send + Sync + 'static {
     /// Which.
     const INSTRUCTION_SET: InstructionSet;
+    /// Its own lanes of f64: as many as it has, fused where it fuses multiply-add.
+    type Doubles: Lanes<Elem = f64, Token = Self>;
     /// The proof, where the processor has it.
     fn detect() -> Option<Self>;
     /// Runs `f` compiled for the instruction set; what `f` calls must be inlined into it.
@@ -59,6 +62,7 @@ pub trait Token: Copy + Send + Sync + 'static {
 
 impl Token for () {
     const INSTRUCTION_SET: InstructionSet = InstructionSet::Scalar;
+    type Doubles = f64;
     fn detect() -> Option<Self> {
         Some(())
     }
@@ -70,9 +74,14 @@ impl Token for () {
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))]
 macro_rules! token {
-    ($token:ty, $set:ident, $as:ident) => {
+    ($token:ty, $set:ident, $as:ident, $doubles:ident, $arithmetic:ident) => {
         impl Token for $token {
             const INSTRUCTION_SET: InstructionSet = InstructionSet::$set;
+            type Doubles = crate::vector::Vector<
+                $token,
+                fearless_simd::$doubles<$token>,
+                crate::vector::$arithmetic,
+            >;
             #[inline]
             fn detect() -> Option<Self> {
                 Level::new().$as()
@@ -88,10 +97,10 @@ macro_rules! token {
 mod x86 {
     use super::{InstructionSet, Level, Token};
     use fearless_simd::x86::{Avx2, Avx512, Sse2, Sse4_2};
-    token!(Sse2, Sse2, as_sse2);
-    token!(Sse4_2, Sse42, as_sse4_2);
-    token!(Avx2, Avx2, as_avx2);
-    token!(Avx512, Avx512, as_avx512);
+    token!(Sse2, Sse2, as_sse2, f64x2, Plain);
+    token!(Sse4_2, Sse42, as_sse4_2, f64x2, Plain);
+    token!(Avx2, Avx2, as_avx2, f64x4, Fused);
+    token!(Avx512, Avx512, as_avx512, f64x8, Fused);
 }
 #[cfg(target_arch = "aarch64")]
-token!(fearless_simd::aarch64::Neon, Neon, as_neon);
+token!(fearless_simd::aarch64::Neon, Neon, as_neon, f64x2, Fused);

@@ -5,13 +5,14 @@ use std::slice::{from_mut, from_ref};
 use trisect_core::Ray;
 use trisect_method::Culling;
 
-use crate::bvh::wide::{Statistics, WideTree};
+use crate::bvh::wide::WideTree;
 use crate::hit::TriangleHit;
 use crate::lanes::{Job, PlainLanes, has_fast_lanes, on_fast_lanes};
 use crate::leaf::erased::{ErasedLeaves, LeafTester};
 use crate::parallel::{self, Task};
 use crate::query::{Any, Both, Closest, HasClosest, Query, Robust, Tight};
 use crate::rays::reorder::{Order, TILE, of_origins, of_rows, row_length};
+use crate::traced::TracedIn;
 use crate::traverse::target::ThroughCalls;
 use crate::traverse::trace::Trace;
 
@@ -36,16 +37,10 @@ pub enum Tracing {
 /// second cache.
 const CHUNK: usize = 4096;
 
-/// A tree, as it is traced.
-pub(crate) trait Traced: Send + Sync {
-    /// Its nodes.
-    fn tree(&self) -> &WideTree;
-
+/// A tree of f32, which batches go through in loops of their own.
+pub(crate) trait Traced: TracedIn<f32> {
     /// Its leaves, behind calls.
-    fn leaves(&self) -> &dyn ErasedLeaves;
-
-    /// Both, to be changed.
-    fn parts(&mut self) -> (&mut WideTree, &mut dyn ErasedLeaves);
+    fn erased(&self) -> &dyn ErasedLeaves;
 
     /// Finds the nearest hits of rays, with both faces seen, in a loop that is compiled for the method; whether there
     /// is one, for this processor.
@@ -58,12 +53,6 @@ pub(crate) trait Traced: Send + Sync {
 
     /// The same for any hits.
     fn any_in_loop(&self, rays: &[Ray<f32>], order: &Order, found: &mut [bool]) -> bool;
-
-    /// The nearest hit of one ray, in a loop that is compiled for the method where there is one for this processor.
-    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit>;
-
-    /// The same for any hit.
-    fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool;
 }
 
 /// The nearest hit, in plain arithmetic.
@@ -81,7 +70,7 @@ pub(crate) fn closest(
         if is_plain {
             plain(traced, PLAIN, PlainLanes::Vector, culling, rays, found);
         } else if culling != Culling::None || !traced.closest_in_loop(rays, order, found) {
-            traced.leaves().closest(culling, &mut |hits| {
+            traced.erased().closest(culling, &mut |hits| {
                 let (tight, robust) =
                     (Closest::<Tight, _>::new(Both), Closest::<Robust, _>::new(Both));
                 fast(traced.tree(), hits, tight, robust, rays, order, found);
@@ -102,7 +91,7 @@ pub(crate) fn any(
         if is_plain {
             plain(traced, HasClosest, PlainLanes::Vector, culling, rays, found);
         } else if culling != Culling::None || !traced.any_in_loop(rays, order, found) {
-            traced.leaves().any(culling, &mut |hits| {
+            traced.erased().any(culling, &mut |hits| {
                 let (tight, robust) = (Any::<Tight, _>::new(Both), Any::<Robust, _>::new(Both));
                 fast(traced.tree(), hits, tight, robust, rays, order, found);
             });
@@ -135,7 +124,7 @@ pub(crate) fn plain<Q: Query<Found = TriangleHit>>(
     found: &mut [Q::Output],
 ) {
     assert_room(rays, found);
-    traced.leaves().plain(lanes, culling, &mut |hits| {
+    traced.erased().plain(lanes, culling, &mut |hits| {
         lanes.run(through_calls(traced.tree(), hits, query, rays, &Order::Singly, found));
     });
 }
@@ -200,10 +189,4 @@ fn in_chunks<T: Send>(
             trace(is_plain, rays, &order, found);
         })
     }));
-}
-
-/// Facts about a tree.
-pub(crate) fn statistics(traced: &dyn Traced) -> Statistics {
-    let leaves = traced.leaves();
-    traced.tree().statistics(leaves.count(), leaves.bytes())
 }

@@ -5,19 +5,21 @@ use std::hint::select_unpredictable;
 
 use trisect_core::Hit;
 
+use crate::precision::Real;
+
 /// The nearest triangle that a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TriangleHit {
+pub struct TriangleHit<P = f32> {
     /// The triangle's id: its place in the slice that the tree was built from.
     pub triangle: u32,
     /// Where the ray hits it.
-    pub hit: Hit<f32>,
+    pub hit: Hit<P>,
 }
 
-impl TriangleHit {
+impl<P: Real> TriangleHit<P> {
     /// No hit: farther than every hit, and nearer than infinity, which stands for a lane without one.
     pub(crate) const NONE: Self =
-        Self { triangle: u32::MAX, hit: Hit { t: f32::MAX, beta: f32::MAX, gamma: 0.0 } };
+        Self { triangle: u32::MAX, hit: Hit { t: P::MAX, beta: P::MAX, gamma: P::ZERO } };
 
     /// Whether it is not [`NONE`](TriangleHit::NONE).
     #[inline(always)]

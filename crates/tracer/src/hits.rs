@@ -4,19 +4,23 @@
 
 use std::cell::Cell;
 use std::cmp::Ordering;
+use std::ops::Range;
 
 use trisect_core::{Ray, Vec3};
 use trisect_method::{Culling, Interval, Place};
 
-use crate::dispatch::{Traced, Tracing};
+use crate::dispatch::Tracing;
 use crate::hit::TriangleHit;
 use crate::lanes::{PlainLanes, has_fast_lanes, on_fast_lanes};
 use crate::leaf::blocks::slot;
-use crate::leaf::erased::ErasedLeaves;
+use crate::leaf::erased::LeafData;
 use crate::leaf::query::end_after;
 use crate::leaf::report::{BlockHits, ExactLeaves};
 use crate::parallel::{self, PART, Task};
+use crate::precision::{Entry, Precision, Real};
 use crate::query::Robust;
+use crate::traced::TracedIn;
+use crate::traverse::inspect::distinct;
 use crate::traverse::walk::Walk;
 use crate::vectors::WIDTH;
 
@@ -49,25 +53,32 @@ pub enum Verdict {
 pub struct NotExact;
 
 /// All hits of each of many rays.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct AllHits {
-    hits: Vec<TriangleHit>,
+#[derive(Clone, Debug, PartialEq)]
+pub struct AllHits<P = f32> {
+    hits: Vec<TriangleHit<P>>,
     /// Where the hits of each ray end.
     ends: Vec<usize>,
 }
 
-impl AllHits {
+impl<P> Default for AllHits<P> {
+    /// Of no rays.
+    fn default() -> Self {
+        Self { hits: vec![], ends: vec![] }
+    }
+}
+
+impl<P> AllHits<P> {
     /// The hits of a ray, in order.
     ///
     /// # Panics
     /// When there is no such ray.
-    pub fn of(&self, ray: usize) -> &[TriangleHit] {
+    pub fn of(&self, ray: usize) -> &[TriangleHit<P>] {
         let start = if ray == 0 { 0 } else { self.ends[ray - 1] };
         &self.hits[start..self.ends[ray]]
     }
 
     /// The hits of all rays, one ray after another.
-    pub fn hits(&self) -> &[TriangleHit] {
+    pub fn hits(&self) -> &[TriangleHit<P>] {
         &self.hits
     }
 
@@ -78,10 +89,10 @@ impl AllHits {
 }
 
 /// Finds all hits of a ray.
-type FindAll<'a> = &'a (dyn Fn(&Ray<f32>, &mut Vec<TriangleHit>) + Sync);
+type FindAll<'a, P> = &'a (dyn Fn(&Ray<P>, &mut Vec<TriangleHit<P>>) + Sync);
 
 /// Finds all hits of rays, on the threads of the pool that it is called in.
-pub(crate) fn all_of(find: FindAll<'_>, rays: &[Ray<f32>], all: &mut AllHits) {
+pub(crate) fn all_of<P: Precision>(find: FindAll<'_, P>, rays: &[Ray<P>], all: &mut AllHits<P>) {
     let mut parts = vec![AllHits::default(); rays.len().div_ceil(PART)];
     let tasks = rays.chunks(PART).zip(&mut parts).map(|(rays, part)| -> Task<'_> {
         Box::new(move || {
@@ -110,38 +121,71 @@ pub(crate) fn lanes_of(tracing: Tracing) -> Option<PlainLanes> {
 
 /// A tree, and how rays go through it.
 #[derive(Clone, Copy)]
-pub(crate) struct Source<'a> {
-    pub(crate) traced: &'a dyn Traced,
+pub(crate) struct Source<'a, P: Real = f32> {
+    pub(crate) traced: &'a dyn TracedIn<P>,
     pub(crate) lanes: Option<PlainLanes>,
     pub(crate) culling: Culling,
     pub(crate) crossings: Crossings,
+    /// How many nodes and triangles are tested, for who counts them.
+    pub(crate) counted: Option<&'a Cell<Tests>>,
 }
 
-impl<'a> Source<'a> {
-    fn leaves(&self) -> &'a dyn ErasedLeaves {
+/// How many nodes and triangles are tested.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Tests {
+    pub(crate) nodes: usize,
+    pub(crate) triangles: usize,
+}
+
+impl<'a, P: Real> Source<'a, P> {
+    fn leaves(&self) -> &'a dyn LeafData<P> {
         self.traced.leaves()
     }
 
     /// Calls `take` for each block in which a ray may hit anything, until `end`, where its interval ends.
-    fn blocks(&self, ray: &Ray<f32>, end: &Cell<f32>, take: &mut dyn FnMut(&BlockHits<'_>)) {
+    fn blocks(&self, ray: &Ray<P>, end: &Cell<P>, take: &mut dyn FnMut(&BlockHits<'_, P>)) {
+        let tree = self.traced.tree();
+        let entry = P::enter(tree.frame.as_ref(), ray);
         self.leaves().reporter(self.lanes, self.culling, &mut |reporter| {
+            let (boxed, span) = match &entry {
+                Entry::Missed => return,
+                Entry::Boxes(boxed, span) => (boxed, *span),
+                Entry::Everywhere => return reporter.report(ray, 0..self.leaves().count(), take),
+            };
             let walk = Walk {
-                tree: self.traced.tree(),
-                ray,
+                tree,
+                ray: boxed,
                 leaf: &mut |blocks| {
+                    self.count_triangles(blocks.clone());
                     reporter.report(ray, blocks, take);
-                    end.get()
+                    P::end(span, end.get())
                 },
             };
-            match self.lanes {
+            let nodes = match self.lanes {
                 Some(plain) => plain.run(walk),
                 None => on_fast_lanes(walk).unwrap_or_default(),
             };
+            if let Some(counted) = self.counted {
+                counted.update(|tests| Tests { nodes: tests.nodes + nodes, ..tests });
+            }
         });
     }
 
+    fn count_triangles(&self, blocks: Range<usize>) {
+        if let Some(counted) = self.counted {
+            let more: usize =
+                blocks.map(|block| distinct(self.leaves().triangles(block)).len()).sum();
+            counted.update(|tests| Tests { triangles: tests.triangles + more, ..tests });
+        }
+    }
+
     /// The triangles of a block that a ray hits, in bits: what the filter leaves open is decided.
-    fn met(&self, exact: Option<&dyn ExactLeaves>, ray: &Ray<f32>, block: &BlockHits<'_>) -> u64 {
+    fn met(
+        &self,
+        exact: Option<&dyn ExactLeaves<P>>,
+        ray: &Ray<P>,
+        block: &BlockHits<'_, P>,
+    ) -> u64 {
         let mut met = block.met;
         if let (Some(exact), 1..) = (exact, block.open) {
             let owned = self.crossings == Crossings::Owned;
@@ -159,7 +203,7 @@ impl<'a> Source<'a> {
     }
 
     /// All hits of a ray, in order.
-    pub(crate) fn all(&self, ray: &Ray<f32>, hits: &mut Vec<TriangleHit>) {
+    pub(crate) fn all(&self, ray: &Ray<P>, hits: &mut Vec<TriangleHit<P>>) {
         hits.clear();
         let (ray, exact) = (&as_tested(ray), self.leaves().exact());
         self.blocks(ray, &Cell::new(ray.tmax), &mut |block| {
@@ -179,10 +223,10 @@ impl<'a> Source<'a> {
     /// The order of two hits, which have slots in the places of ids.
     fn order(
         &self,
-        exact: Option<&dyn ExactLeaves>,
-        ray: &Ray<f32>,
-        a: &TriangleHit,
-        b: &TriangleHit,
+        exact: Option<&dyn ExactLeaves<P>>,
+        ray: &Ray<P>,
+        a: &TriangleHit<P>,
+        b: &TriangleHit<P>,
     ) -> Ordering {
         a.order_by_t(b).then_with(|| {
             let (first, second) = (self.id(a.triangle), self.id(b.triangle));
@@ -196,7 +240,7 @@ impl<'a> Source<'a> {
     }
 
     /// How many hits there are.
-    pub(crate) fn count(&self, ray: &Ray<f32>) -> u32 {
+    pub(crate) fn count(&self, ray: &Ray<P>) -> u32 {
         let (ray, exact) = (&as_tested(ray), self.leaves().exact());
         Tally::with(|tally| {
             self.blocks(ray, &Cell::new(ray.tmax), &mut |block| {
@@ -208,9 +252,9 @@ impl<'a> Source<'a> {
     /// The nearest hit that a program accepts.
     pub(crate) fn filtered(
         &self,
-        ray: &Ray<f32>,
-        program: &mut dyn FnMut(&TriangleHit) -> Verdict,
-    ) -> Option<TriangleHit> {
+        ray: &Ray<P>,
+        program: &mut dyn FnMut(&TriangleHit<P>) -> Verdict,
+    ) -> Option<TriangleHit<P>> {
         let (ray, exact) = (&as_tested(ray), self.leaves().exact());
         let (mut best, mut best_slot) = (TriangleHit::NONE, 0);
         let end = Cell::new(ray.tmax);
@@ -231,7 +275,7 @@ impl<'a> Source<'a> {
                 let mut next = best;
                 let is_nearer =
                     next.improve_by(TriangleHit { triangle: self.id(slot), ..*other }, order);
-                if !is_nearer || end.get() == f32::NEG_INFINITY {
+                if !is_nearer || end.get() == P::NEG_INFINITY {
                     continue;
                 }
                 let verdict = program(&next);
@@ -240,8 +284,8 @@ impl<'a> Source<'a> {
                 }
                 (best, best_slot) = (next, slot);
                 end.set(match verdict {
-                    Verdict::End => f32::NEG_INFINITY,
-                    _ => end_after::<Robust>(best.hit.t, ray.tmax),
+                    Verdict::End => P::NEG_INFINITY,
+                    _ => end_after::<Robust, P>(best.hit.t, ray.tmax),
                 });
             }
         });
@@ -249,7 +293,7 @@ impl<'a> Source<'a> {
     }
 
     /// Where a point is with respect to the solid that the triangles bound.
-    pub(crate) fn place(&self, point: Vec3<f32>) -> Result<Place, NotExact> {
+    pub(crate) fn place(&self, point: Vec3<P>) -> Result<Place, NotExact> {
         let exact = self.leaves().exact().ok_or(NotExact)?;
         // What the point is on is left open: either the ray lies in it, or hits it where it begins, which is within the
         // bounds of `t`, and never at their ends.
@@ -260,7 +304,7 @@ impl<'a> Source<'a> {
                 let is_at = |lane| exact.is_on(point, slot(block.at, lane));
                 if is_on || lanes(block.open).any(is_at) {
                     is_on = true;
-                    end.set(f32::NEG_INFINITY);
+                    end.set(P::NEG_INFINITY);
                 } else {
                     tally.add(block, self.met(Some(exact), ray, block));
                 }
@@ -276,12 +320,13 @@ impl<'a> Source<'a> {
 
 /// The ray whose crossings say whether a point is inside. Its direction is so long that no triangle is beyond the
 /// largest `t`.
-pub(crate) fn upwards(point: Vec3<f32>) -> Ray<f32> {
-    Ray { o: point, d: Vec3::new(0.0, 0.0, 4.0), tmin: 0.0, tmax: f32::INFINITY }
+pub(crate) fn upwards<P: Real>(point: Vec3<P>) -> Ray<P> {
+    let d = Vec3::new(P::ZERO, P::ZERO, P::from_f64(4.0));
+    Ray { o: point, d, tmin: P::ZERO, tmax: P::INFINITY }
 }
 
 /// The ray with its interval as leaves take it.
-fn as_tested(ray: &Ray<f32>) -> Ray<f32> {
+fn as_tested<P: Real>(ray: &Ray<P>) -> Ray<P> {
     let Interval { tmin, tmax } = Interval::of(ray);
     Ray { tmin, tmax, ..*ray }
 }
@@ -296,7 +341,7 @@ fn lanes(mut bits: u64) -> impl Iterator<Item = usize> {
 }
 
 /// A hit in a block, with its slot in the place of the id.
-fn found(block: &BlockHits<'_>, lane: usize) -> TriangleHit {
+fn found<P: Real>(block: &BlockHits<'_, P>, lane: usize) -> TriangleHit<P> {
     TriangleHit { triangle: slot(block.at, lane), hit: block.hit(lane) }
 }
 
@@ -330,7 +375,7 @@ impl Tally {
         count
     }
 
-    fn add(&mut self, block: &BlockHits<'_>, met: u64) {
+    fn add<P>(&mut self, block: &BlockHits<'_, P>, met: u64) {
         self.count += (met & !block.repeated).count_ones();
         self.repeated.extend(lanes(met & block.repeated).map(|lane| block.triangles[lane]));
     }

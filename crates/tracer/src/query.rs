@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 use trisect_method::{Culling, Method};
 
 use crate::hit::TriangleHit;
+use crate::precision::Real;
 
 /// What is asked of each ray.
 pub(crate) trait Query: Copy + Send + Sync {
@@ -25,6 +26,8 @@ pub(crate) trait Query: Copy + Send + Sync {
 pub(crate) trait Boxes: Copy + Send + Sync {
     /// Whether tests allow for their own rounding, so that no true hit is lost.
     const ROBUST: bool;
+    /// Whether an interval ends a little later than at the best hit.
+    const LATE: bool;
 }
 
 /// Tests allow for their own rounding.
@@ -33,6 +36,7 @@ pub(crate) struct Robust;
 
 impl Boxes for Robust {
     const ROBUST: bool = true;
+    const LATE: bool = true;
 }
 
 /// Tests do not: boxes were made larger when they were built.
@@ -41,6 +45,16 @@ pub(crate) struct Tight;
 
 impl Boxes for Tight {
     const ROBUST: bool = false;
+    const LATE: bool = false;
+}
+
+/// Nor do these: boxes are so much larger that [no true hit is lost](crate::bvh::frame).
+#[derive(Clone, Copy)]
+pub(crate) struct Widened;
+
+impl Boxes for Widened {
+    const ROBUST: bool = false;
+    const LATE: bool = true;
 }
 
 /// Tests keep the promise of a method.
@@ -56,6 +70,7 @@ impl<M> Copy for Promised<M> {}
 
 impl<M: Method> Boxes for Promised<M> {
     const ROBUST: bool = M::INFO.claims.watertight;
+    const LATE: bool = Self::ROBUST;
 }
 
 /// Which faces are seen: a type where a loop is compiled for both, and otherwise a value.
@@ -84,19 +99,19 @@ impl Faces for Culling {
 
 /// The nearest hit, of equally near ones that of the lowest id.
 #[derive(Clone, Copy)]
-pub(crate) struct Closest<B, F> {
+pub(crate) struct Closest<B, F, P = f32> {
     pub(crate) faces: F,
-    pub(crate) boxes: PhantomData<B>,
+    pub(crate) boxes: PhantomData<(B, P)>,
 }
 
-impl<B: Boxes, F: Faces> Query for Closest<B, F> {
+impl<B: Boxes, F: Faces, P: Real> Query for Closest<B, F, P> {
     const ANY: bool = false;
     type Boxes = B;
-    type Found = TriangleHit;
-    type Output = Option<TriangleHit>;
+    type Found = TriangleHit<P>;
+    type Output = Option<TriangleHit<P>>;
 
     #[inline(always)]
-    fn output(found: &TriangleHit) -> Option<TriangleHit> {
+    fn output(found: &TriangleHit<P>) -> Option<TriangleHit<P>> {
         found.is_hit().then_some(*found)
     }
 }
@@ -136,7 +151,7 @@ impl Query for HasClosest {
     }
 }
 
-impl<B, F> Closest<B, F> {
+impl<B, F, P> Closest<B, F, P> {
     pub(crate) const fn new(faces: F) -> Self {
         Self { faces, boxes: PhantomData }
     }

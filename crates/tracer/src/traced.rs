@@ -2,23 +2,76 @@
 
 use std::ops::Range;
 
-use trisect_core::{Lanes, Ray};
-use trisect_method::{Culling, ExactMethod, Method, Refine};
+use trisect_core::{Lanes, Ray, Triangle};
+use trisect_method::{Culling, ExactMethod, Method, Refine, UnsuitableMesh};
 
+use crate::bvh::builders;
+use crate::bvh::builders::members::Kinds;
+use crate::bvh::builders::settings::{Builder, Leaves};
 use crate::bvh::wide::WideTree;
-use crate::dispatch::{self, Traced};
+use crate::dispatch::{self, Traced, Tracing};
 use crate::hit::TriangleHit;
 use crate::lanes::on_fast_lanes;
 use crate::leaf::blocks::Blocks;
-use crate::leaf::erased::{ErasedLeaves, MethodLeaves, Tester};
+use crate::leaf::erased::{ErasedLeaves, LeafData, MethodLeaves, Tester};
 use crate::leaf::exact::Exactly;
 use crate::leaf::query::{Hits, HitsOf, LeafQuery, Queries};
 use crate::leaf::single::{AtLeaf, Rounded, test_ray};
+use crate::precision::Real;
 use crate::query::{Any, Both, Promised};
 use crate::rays::batch::Work;
 use crate::rays::reorder::Order;
 use crate::traverse::target::{PacketTarget, Target};
 use crate::traverse::trace::{Trace, TraceOne};
+
+/// A tree, as it is traced.
+pub(crate) trait TracedIn<P: Real>: Send + Sync {
+    /// Its nodes.
+    fn tree(&self) -> &WideTree;
+
+    /// Its leaves, behind calls.
+    fn leaves(&self) -> &dyn LeafData<P>;
+
+    /// Both, to be changed.
+    fn parts(&mut self) -> (&mut WideTree, &mut dyn LeafData<P>);
+
+    /// The nearest hit of each ray.
+    fn closest(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        rays: &[Ray<P>],
+        found: &mut [Option<TriangleHit<P>>],
+    );
+
+    /// Whether each ray hits anything.
+    fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<P>], found: &mut [bool]);
+
+    /// The nearest hit of one ray, in a loop that is compiled for the method where there is one for this processor.
+    fn closest_hit(&self, culling: Culling, ray: &Ray<P>) -> Option<TriangleHit<P>>;
+
+    /// The same for any hit.
+    fn any_hit(&self, culling: Culling, ray: &Ray<P>) -> bool;
+}
+
+/// A tree, as a [precision](crate::Precision) builds it.
+pub struct Built<P>(pub(crate) Box<dyn TracedIn<P>>);
+
+/// Builds the nodes of a tree, and prepares what is in its leaves.
+///
+/// # Errors
+/// When the method cannot take the mesh.
+pub(crate) fn built<M: Method, P: Real>(
+    triangles: &[Triangle<P>],
+    builder: Builder,
+    leaves: Leaves,
+) -> Result<(WideTree, Blocks<M, P>), UnsuitableMesh> {
+    let kinds = Kinds::new::<M, P>(triangles)?;
+    let is_robust = M::INFO.claims.watertight;
+    let (in_boxes, frame) = P::in_frame(triangles);
+    let (tree, members) = builders::build(&in_boxes, frame, builder, leaves, &kinds, is_robust);
+    Ok((tree, Blocks::new(triangles, &members)))
+}
 
 /// A tree with the leaves of a method, whose test is in the loops of the tree or behind calls.
 struct TreeOf<M: Method, K, const IN_LOOP: bool> {
@@ -26,12 +79,17 @@ struct TreeOf<M: Method, K, const IN_LOOP: bool> {
     leaves: MethodLeaves<M, K>,
 }
 
-/// A tree with the leaves of a method.
-pub(crate) fn traced<M: Method, const IN_LOOP: bool>(
-    tree: WideTree,
-    blocks: Blocks<M>,
-) -> Box<dyn Traced> {
-    M::refine(Parts::<M, IN_LOOP>(tree, blocks))
+/// Builds a tree of f32.
+///
+/// # Errors
+/// When the method cannot take the mesh.
+pub(crate) fn in_f32<M: Method, const IN_LOOP: bool>(
+    triangles: &[Triangle<f32>],
+    builder: Builder,
+    leaves: Leaves,
+) -> Result<Box<dyn Traced>, UnsuitableMesh> {
+    let (tree, blocks) = built(triangles, builder, leaves)?;
+    Ok(M::refine(Parts::<M, IN_LOOP>(tree, blocks)))
 }
 
 struct Parts<M: Method, const IN_LOOP: bool>(WideTree, Blocks<M>);
@@ -76,7 +134,7 @@ impl<M: Method, K: Queries<M>, const IN_LOOP: bool> TreeOf<M, K, IN_LOOP> {
 
     fn trace_one<Q: LeafQuery<M>>(&self, query: Q, ray: &Ray<f32>, found: &mut Q::Output) -> bool {
         if const { IN_LOOP } {
-            on_fast_lanes(TraceOne { target: self, query, ray, found }).is_some()
+            on_fast_lanes(TraceOne { target: self, seed: (), query, ray, found }).is_some()
         } else {
             false
         }
@@ -84,16 +142,8 @@ impl<M: Method, K: Queries<M>, const IN_LOOP: bool> TreeOf<M, K, IN_LOOP> {
 }
 
 impl<M: Method, K: Queries<M>, const IN_LOOP: bool> Traced for TreeOf<M, K, IN_LOOP> {
-    fn tree(&self) -> &WideTree {
-        &self.tree
-    }
-
-    fn leaves(&self) -> &dyn ErasedLeaves {
+    fn erased(&self) -> &dyn ErasedLeaves {
         &self.leaves
-    }
-
-    fn parts(&mut self) -> (&mut WideTree, &mut dyn ErasedLeaves) {
-        (&mut self.tree, &mut self.leaves)
     }
 
     fn closest_in_loop(
@@ -107,6 +157,34 @@ impl<M: Method, K: Queries<M>, const IN_LOOP: bool> Traced for TreeOf<M, K, IN_L
 
     fn any_in_loop(&self, rays: &[Ray<f32>], order: &Order, found: &mut [bool]) -> bool {
         self.trace(Any::<Promised<M>, Both>::new(Both), rays, order, found)
+    }
+}
+
+impl<M: Method, K: Queries<M>, const IN_LOOP: bool> TracedIn<f32> for TreeOf<M, K, IN_LOOP> {
+    fn tree(&self) -> &WideTree {
+        &self.tree
+    }
+
+    fn leaves(&self) -> &dyn LeafData<f32> {
+        &self.leaves
+    }
+
+    fn parts(&mut self) -> (&mut WideTree, &mut dyn LeafData<f32>) {
+        (&mut self.tree, &mut self.leaves)
+    }
+
+    fn closest(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        rays: &[Ray<f32>],
+        found: &mut [Option<TriangleHit>],
+    ) {
+        dispatch::closest(self, tracing, culling, rays, found);
+    }
+
+    fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
+        dispatch::any(self, tracing, culling, rays, found);
     }
 
     fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
@@ -136,7 +214,7 @@ where
     Q: LeafQuery<M>,
 {
     const LINES: bool = K::LINES;
-    type Hits = HitsOf<M, Q, N>;
+    type Hits = HitsOf<M, Q, f32, N>;
     type Seed = ();
 
     #[inline(always)]
@@ -146,12 +224,12 @@ where
 
     #[inline(always)]
     fn hits((): ()) -> Self::Hits {
-        Hits::new::<M, Q>()
+        Hits::new::<M, f32, Q>()
     }
 
     #[inline(always)]
     fn clear(self, hits: &mut Self::Hits) {
-        hits.clear::<M, Q>();
+        hits.clear::<M, f32, Q>();
     }
 
     #[inline(always)]
@@ -166,7 +244,7 @@ where
         let ray = if const { K::LINES } { rays.line(index) } else { rays.ray(index) };
         let best = &mut hits.best[index % N];
         let at_leaf = AtLeaf { blocks: &self.leaves.blocks, query, ray };
-        let is_hit = test_ray::<M, L, Q, N>(token, at_leaf, leaf, (rays, index), best);
+        let is_hit = test_ray::<M, f32, L, Q, N>(token, at_leaf, leaf, (rays, index), best);
         if is_hit {
             rays.end(index, Q::end(best, ray.tmax));
         }

@@ -6,7 +6,6 @@ use std::slice::{from_mut, from_ref};
 use trisect_core::{Ray, Triangle, Vec3};
 use trisect_method::{Culling, Method, Place, UnsuitableMesh};
 
-use crate::bvh::builders::members::Kinds;
 use crate::bvh::builders::settings::{Builder, Leaves};
 use crate::bvh::builders::{self, RefitError};
 use crate::bvh::wide::Statistics;
@@ -14,15 +13,15 @@ use crate::dispatch::{self, Traced, Tracing, assert_room};
 use crate::hit::TriangleHit;
 use crate::hits::{AllHits, Crossings, NotExact, Source, Verdict, all_of, lanes_of};
 use crate::lanes::PlainLanes;
-use crate::leaf::blocks::Blocks;
 use crate::parallel::fill;
+use crate::precision::Precision;
 use crate::query::HasClosest;
-use crate::traced;
+use crate::traced::{self, Built, TracedIn};
 use crate::traverse::inspect::{self, Counted};
 use crate::vectors::WIDTH;
 
-/// A tree over a mesh, whatever its method.
-pub trait Tree: Send + Sync {
+/// A tree over a mesh, whatever its method, in f32 or in f64.
+pub trait Tree<P: Precision = f32>: Send + Sync {
     /// The closest hit of each ray: smallest `t`, then lowest id. On the threads of the pool that it is called
     /// in.
     ///
@@ -32,26 +31,26 @@ pub trait Tree: Send + Sync {
         &self,
         tracing: Tracing,
         culling: Culling,
-        rays: &[Ray<f32>],
-        found: &mut [Option<TriangleHit>],
+        rays: &[Ray<P>],
+        found: &mut [Option<TriangleHit<P>>],
     );
 
     /// Whether each ray hits anything. On the threads of the pool that it is called in.
     ///
     /// # Panics
     /// When there are fewer places in `found` than rays.
-    fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]);
+    fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<P>], found: &mut [bool]);
 
     /// The closest hit of one ray: that of [`Tree::closest`] with [`Tracing::Single`], to the bit. In a tree that is
     /// [compiled for a method](Bvh), on a processor with [fast lanes](crate::fast_lanes), it allocates nothing.
-    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
+    fn closest_hit(&self, culling: Culling, ray: &Ray<P>) -> Option<TriangleHit<P>> {
         let mut found = None;
         self.closest(Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
         found
     }
 
     /// Whether one ray hits anything: as [`Tree::closest_hit`], of [`Tree::any`].
-    fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool {
+    fn any_hit(&self, culling: Culling, ray: &Ray<P>) -> bool {
         let mut found = false;
         self.any(Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
         found
@@ -66,18 +65,12 @@ pub trait Tree: Send + Sync {
         tracing: Tracing,
         culling: Culling,
         crossings: Crossings,
-        ray: &Ray<f32>,
-        hits: &mut Vec<TriangleHit>,
+        ray: &Ray<P>,
+        hits: &mut Vec<TriangleHit<P>>,
     );
 
     /// How many hits [`all`](Tree::all) finds, without storing or sorting them.
-    fn count(
-        &self,
-        tracing: Tracing,
-        culling: Culling,
-        crossings: Crossings,
-        ray: &Ray<f32>,
-    ) -> u32;
+    fn count(&self, tracing: Tracing, culling: Culling, crossings: Crossings, ray: &Ray<P>) -> u32;
 
     /// The closest hit that a program accepts. It is offered hits in no particular order, and some more than once where
     /// space was split, but none behind one that it has accepted.
@@ -85,9 +78,9 @@ pub trait Tree: Send + Sync {
         &self,
         tracing: Tracing,
         culling: Culling,
-        ray: &Ray<f32>,
-        program: &mut dyn FnMut(&TriangleHit) -> Verdict,
-    ) -> Option<TriangleHit>;
+        ray: &Ray<P>,
+        program: &mut dyn FnMut(&TriangleHit<P>) -> Verdict,
+    ) -> Option<TriangleHit<P>>;
 
     /// Where a point is with respect to the solid that the triangles bound: exactly so, on any input that is finite,
     /// in the tree. A ray goes up from the point, along the last axis, and the crossings that triangles
@@ -97,16 +90,16 @@ pub trait Tree: Send + Sync {
     ///
     /// # Errors
     /// When the method is not exact.
-    fn contains(&self, point: Vec3<f32>) -> Result<Place, NotExact>;
+    fn contains(&self, point: Vec3<P>) -> Result<Place, NotExact>;
 
     /// The closest hit, one triangle left out: the one that a ray starts from.
     fn closest_but(
         &self,
         tracing: Tracing,
         culling: Culling,
-        ray: &Ray<f32>,
+        ray: &Ray<P>,
         triangle: u32,
-    ) -> Option<TriangleHit> {
+    ) -> Option<TriangleHit<P>> {
         self.filtered(tracing, culling, ray, &mut |hit| {
             if hit.triangle == triangle { Verdict::Ignore } else { Verdict::Accept }
         })
@@ -118,8 +111,8 @@ pub trait Tree: Send + Sync {
         tracing: Tracing,
         culling: Culling,
         crossings: Crossings,
-        rays: &[Ray<f32>],
-        hits: &mut AllHits,
+        rays: &[Ray<P>],
+        hits: &mut AllHits<P>,
     ) {
         all_of(&|ray, hits| self.all(tracing, culling, crossings, ray, hits), rays, hits);
     }
@@ -133,7 +126,7 @@ pub trait Tree: Send + Sync {
         tracing: Tracing,
         culling: Culling,
         crossings: Crossings,
-        rays: &[Ray<f32>],
+        rays: &[Ray<P>],
         counts: &mut [u32],
     ) {
         each(&|_, ray| self.count(tracing, culling, crossings, ray), rays, counts);
@@ -148,11 +141,11 @@ pub trait Tree: Send + Sync {
         &self,
         tracing: Tracing,
         culling: Culling,
-        rays: &[Ray<f32>],
-        program: &(dyn Fn(usize, &TriangleHit) -> Verdict + Sync),
-        found: &mut [Option<TriangleHit>],
+        rays: &[Ray<P>],
+        program: &(dyn Fn(usize, &TriangleHit<P>) -> Verdict + Sync),
+        found: &mut [Option<TriangleHit<P>>],
     ) {
-        let of = |index: usize, ray: &Ray<f32>| {
+        let of = |index: usize, ray: &Ray<P>| {
             self.filtered(tracing, culling, ray, &mut |hit| program(index, hit))
         };
         each(&of, rays, found);
@@ -165,21 +158,22 @@ pub trait Tree: Send + Sync {
     ///
     /// # Panics
     /// When there are fewer places in `places` than points.
-    fn contains_of(&self, points: &[Vec3<f32>], places: &mut [Place]) -> Result<(), NotExact> {
+    fn contains_of(&self, points: &[Vec3<P>], places: &mut [Place]) -> Result<(), NotExact> {
+        let nan = P::from_f64(f64::NAN);
         // Whether the method is exact does not depend on the point.
-        self.contains(Vec3::new(f32::NAN, f32::NAN, f32::NAN))?;
+        self.contains(Vec3::new(nan, nan, nan))?;
         each(&|_, point| self.contains(*point).unwrap_or(Place::Outside), points, places);
         Ok(())
     }
 
     /// A ray's closest hit, and how many tests it takes to find it, eight boxes and one triangle at a time. The hit is that
     /// of [`Tracing::Plain`].
-    fn inspect(&self, ray: &Ray<f32>) -> Counted;
+    fn inspect(&self, ray: &Ray<P>) -> Counted<P>;
 
     /// Visits the triangles that a ray may hit, near ones first and some of them several times: `visit` gets the
     /// id of one, and says where the ray's interval ends from then on. None that the ray truly hits before
     /// that end is left out.
-    fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32);
+    fn candidates(&self, ray: &Ray<P>, visit: &mut dyn FnMut(u32) -> P);
 
     /// Fits the tree to triangles that have moved since it was built: prepares them anew and computes
     /// the boxes, in the same tree. It answers as a new one would; how fast depends on how far they
@@ -191,7 +185,7 @@ pub trait Tree: Send + Sync {
     /// # Errors
     /// When there are not as many triangles as before, when one can be hit that could not be when the
     /// tree was built, or when the method cannot take the mesh. The tree is as before then.
-    fn refit(&mut self, triangles: &[Triangle<f32>]) -> Result<(), RefitError>;
+    fn refit(&mut self, triangles: &[Triangle<P>]) -> Result<(), RefitError>;
 
     /// Facts about the tree.
     fn statistics(&self) -> Statistics;
@@ -199,8 +193,12 @@ pub trait Tree: Send + Sync {
 
 /// A mesh in a tree whose loops are compiled for a method: the fastest to trace, and the slowest to compile.
 /// [`ErasedBvh`] has the method behind calls.
-pub struct Bvh<M> {
-    traced: Box<dyn Traced>,
+///
+/// In f64 rays and triangles are tested as they are given; boxes are in f32, and so much larger that no true hit is lost,
+/// wherever it is in the range of f64. Rays go down the tree one by one there, whichever [`Tracing`] is asked for;
+/// [`Tracing::Plain`] stands for itself.
+pub struct Bvh<M, P: Precision = f32> {
+    traced: Box<dyn TracedIn<P>>,
     method: PhantomData<fn() -> M>,
 }
 
@@ -219,7 +217,7 @@ pub struct ScalarBvh<M> {
     method: PhantomData<fn() -> M>,
 }
 
-impl<M: Method> Bvh<M> {
+impl<M: Method, P: Precision> Bvh<M, P> {
     /// Prepares `triangles`, whose ids are their places in the slice, and puts them in a tree. Triangles that are
     /// not finite or have no area are left out: nothing hits them.
     ///
@@ -231,7 +229,7 @@ impl<M: Method> Bvh<M> {
     ///
     /// # Panics
     /// When there are more than `u32::MAX − 1` triangles, or more than 2²⁸ blocks.
-    pub fn build(triangles: &[Triangle<f32>], builder: Builder) -> Result<Self, UnsuitableMesh> {
+    pub fn build(triangles: &[Triangle<P>], builder: Builder) -> Result<Self, UnsuitableMesh> {
         Self::build_with(triangles, builder, Leaves::default())
     }
 
@@ -243,11 +241,11 @@ impl<M: Method> Bvh<M> {
     /// # Panics
     /// As [`Bvh::build`].
     pub fn build_with(
-        triangles: &[Triangle<f32>],
+        triangles: &[Triangle<P>],
         builder: Builder,
         leaves: Leaves,
     ) -> Result<Self, UnsuitableMesh> {
-        let traced = traced::<M, true>(triangles, builder, leaves)?;
+        let Built(traced) = P::traced::<M>(triangles, builder, leaves)?;
         Ok(Self { traced, method: PhantomData })
     }
 }
@@ -279,7 +277,7 @@ impl ErasedBvh {
         builder: Builder,
         leaves: Leaves,
     ) -> Result<Self, UnsuitableMesh> {
-        Ok(Self { traced: traced::<M, false>(triangles, builder, leaves)? })
+        Ok(Self { traced: traced::in_f32::<M, false>(triangles, builder, leaves)? })
     }
 }
 
@@ -303,81 +301,75 @@ fn each<I: Sync, X: Send>(of: &(dyn Fn(usize, &I) -> X + Sync), inputs: &[I], fo
     fill(inputs, found, of);
 }
 
-/// Builds a tree.
-fn traced<M: Method, const IN_LOOP: bool>(
-    triangles: &[Triangle<f32>],
-    builder: Builder,
-    leaves: Leaves,
-) -> Result<Box<dyn Traced>, UnsuitableMesh> {
-    let kinds = Kinds::new::<M>(triangles)?;
-    let is_robust = M::INFO.claims.watertight;
-    let (tree, members) = builders::build(triangles, builder, leaves, &kinds, is_robust);
-    Ok(traced::traced::<M, IN_LOOP>(tree, Blocks::new(triangles, &members)))
-}
-
 /// As [`Tree::refit`].
-fn refit(traced: &mut dyn Traced, triangles: &[Triangle<f32>]) -> Result<(), RefitError> {
+fn refit<P: Precision>(
+    traced: &mut dyn TracedIn<P>,
+    triangles: &[Triangle<P>],
+) -> Result<(), RefitError> {
     let (tree, leaves) = traced.parts();
     let blocks: Vec<[u32; WIDTH]> =
         (0..leaves.count()).map(|block| *leaves.triangles(block)).collect();
-    let members = builders::refit(tree, &blocks, triangles, || leaves.kinds(triangles))?;
+    let (in_boxes, frame) = P::in_frame(triangles);
+    let members = builders::refit(tree, &blocks, &in_boxes, frame, || leaves.kinds(triangles))?;
     leaves.prepare(triangles, &members);
     Ok(())
 }
 
 /// What all trees do alike.
 macro_rules! inspections {
-    () => {
-        fn inspect(&self, ray: &Ray<f32>) -> Counted {
-            inspect::inspect(self.traced.tree(), self.traced.leaves(), ray)
+    ($p:ty) => {
+        fn inspect(&self, ray: &Ray<$p>) -> Counted<$p> {
+            inspect::inspect(&*self.traced, ray)
         }
 
-        fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32) {
-            inspect::candidates(self.traced.tree(), self.traced.leaves(), ray, visit);
+        fn candidates(&self, ray: &Ray<$p>, visit: &mut dyn FnMut(u32) -> $p) {
+            inspect::candidates(&*self.traced, ray, visit);
         }
 
-        fn refit(&mut self, triangles: &[Triangle<f32>]) -> Result<(), RefitError> {
+        fn refit(&mut self, triangles: &[Triangle<$p>]) -> Result<(), RefitError> {
             refit(&mut *self.traced, triangles)
         }
 
         fn statistics(&self) -> Statistics {
-            dispatch::statistics(&*self.traced)
+            let leaves = self.traced.leaves();
+            self.traced.tree().statistics(leaves.count(), leaves.bytes())
         }
     };
 }
 
 /// What trees do alike whose `traced` says how it is traced.
 macro_rules! queries {
-    () => {
+    ($p:ty) => {
         fn closest(
             &self,
             tracing: Tracing,
             culling: Culling,
-            rays: &[Ray<f32>],
-            found: &mut [Option<TriangleHit>],
+            rays: &[Ray<$p>],
+            found: &mut [Option<TriangleHit<$p>>],
         ) {
-            dispatch::closest(&*self.traced, tracing, culling, rays, found);
+            self.traced.closest(tracing, culling, rays, found);
         }
 
-        fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f32>], found: &mut [bool]) {
-            dispatch::any(&*self.traced, tracing, culling, rays, found);
+        fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<$p>], found: &mut [bool]) {
+            self.traced.any(tracing, culling, rays, found);
         }
     };
 }
 
 /// Queries for more than the nearest hit, on the lanes of a way of tracing.
 macro_rules! hits {
-    ($lanes:expr) => {
+    ($p:ty, $lanes:expr) => {
         fn all(
             &self,
             tracing: Tracing,
             culling: Culling,
             crossings: Crossings,
-            ray: &Ray<f32>,
-            hits: &mut Vec<TriangleHit>,
+            ray: &Ray<$p>,
+            hits: &mut Vec<TriangleHit<$p>>,
         ) {
             let traced = &*self.traced;
-            Source { traced, lanes: $lanes(tracing), culling, crossings }.all(ray, hits);
+            Source { traced, lanes: $lanes(tracing), culling, crossings, counted: None }
+                .all(ray, hits);
         }
 
         fn count(
@@ -385,49 +377,50 @@ macro_rules! hits {
             tracing: Tracing,
             culling: Culling,
             crossings: Crossings,
-            ray: &Ray<f32>,
+            ray: &Ray<$p>,
         ) -> u32 {
             let traced = &*self.traced;
-            Source { traced, lanes: $lanes(tracing), culling, crossings }.count(ray)
+            Source { traced, lanes: $lanes(tracing), culling, crossings, counted: None }.count(ray)
         }
 
         fn filtered(
             &self,
             tracing: Tracing,
             culling: Culling,
-            ray: &Ray<f32>,
-            program: &mut dyn FnMut(&TriangleHit) -> Verdict,
-        ) -> Option<TriangleHit> {
+            ray: &Ray<$p>,
+            program: &mut dyn FnMut(&TriangleHit<$p>) -> Verdict,
+        ) -> Option<TriangleHit<$p>> {
             let (traced, crossings) = (&*self.traced, Crossings::Every);
-            Source { traced, lanes: $lanes(tracing), culling, crossings }.filtered(ray, program)
+            Source { traced, lanes: $lanes(tracing), culling, crossings, counted: None }
+                .filtered(ray, program)
         }
 
-        fn contains(&self, point: Vec3<f32>) -> Result<Place, NotExact> {
+        fn contains(&self, point: Vec3<$p>) -> Result<Place, NotExact> {
             let (traced, lanes) = (&*self.traced, $lanes(Tracing::Single));
             let (culling, crossings) = (Culling::None, Crossings::Owned);
-            Source { traced, lanes, culling, crossings }.place(point)
+            Source { traced, lanes, culling, crossings, counted: None }.place(point)
         }
     };
 }
 
-impl<M: Method> Tree for Bvh<M> {
-    fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
+impl<M: Method, P: Precision> Tree<P> for Bvh<M, P> {
+    fn closest_hit(&self, culling: Culling, ray: &Ray<P>) -> Option<TriangleHit<P>> {
         self.traced.closest_hit(culling, ray)
     }
 
-    fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool {
+    fn any_hit(&self, culling: Culling, ray: &Ray<P>) -> bool {
         self.traced.any_hit(culling, ray)
     }
 
-    queries!();
-    hits!(lanes_of);
-    inspections!();
+    queries!(P);
+    hits!(P, lanes_of);
+    inspections!(P);
 }
 
 impl Tree for ErasedBvh {
-    queries!();
-    hits!(lanes_of);
-    inspections!();
+    queries!(f32);
+    hits!(f32, lanes_of);
+    inspections!(f32);
 }
 
 impl<M: Method> Tree for ScalarBvh<M> {
@@ -446,6 +439,6 @@ impl<M: Method> Tree for ScalarBvh<M> {
         dispatch::plain(&*self.traced, HasClosest, PlainLanes::Scalar, culling, rays, found);
     }
 
-    hits!(|_| Some(PlainLanes::Scalar));
-    inspections!();
+    hits!(f32, |_| Some(PlainLanes::Scalar));
+    inspections!(f32);
 }

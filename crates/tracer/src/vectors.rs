@@ -2,6 +2,8 @@
 
 use trisect_core::{Lanes, Vec3};
 
+use crate::precision::Real;
+
 /// Children of a node, triangles of a block, and at most so many lanes.
 pub(crate) const WIDTH: usize = 8;
 
@@ -35,8 +37,8 @@ pub(crate) fn splat<L: Lanes<Elem = f32>>(token: L::Token, v: Vec3<f32>) -> Vec3
 
 /// The least of all lanes.
 #[inline(always)]
-pub(crate) fn least<L: Lanes<Elem = f32>>(x: L) -> f32 {
-    let mut lanes = [f32::INFINITY; WIDTH];
+pub(crate) fn least<L: Lanes<Elem: Real>>(x: L) -> L::Elem {
+    let mut lanes = [L::Elem::INFINITY; WIDTH];
     x.store(&mut lanes);
     let [a, b, c, d, e, f, g, h] = lanes;
     let (a, b, c, d) = (Lanes::min(a, e), Lanes::min(b, f), Lanes::min(c, g), Lanes::min(d, h));

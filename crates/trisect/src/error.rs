@@ -26,7 +26,7 @@ pub enum SceneError {
         /// The index of the vertex.
         vertex: usize,
         /// Where it is.
-        position: [f32; 3],
+        position: [f64; 3],
     },
     /// There are more faces than a scene can number.
     #[error("{faces} faces are more than a scene holds, {MOST}: divide it")]

@@ -3,29 +3,31 @@
 use trisect_core::Vec3;
 use trisect_tracer::TriangleHit;
 
-use crate::Scene;
+use crate::{Precision, Scene};
 
 /// A triangle that a ray hits, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub struct Hit<P = f32> {
     /// The triangle: the index of its face, or its place among the triangles that the scene was made of.
     pub triangle: u32,
     /// How far along the ray: the hit is at `o + t·d`.
-    pub t: f32,
+    pub t: P,
     /// The weight of the triangle's first corner: 1 − `beta` − `gamma`, rounded once, and 0 where that is less.
-    pub alpha: f32,
+    pub alpha: P,
     /// The weight of its second corner.
-    pub beta: f32,
+    pub beta: P,
     /// The weight of its third corner.
-    pub gamma: f32,
+    pub gamma: P,
 }
 
-impl Hit {
-    #[allow(clippy::cast_possible_truncation, reason = "rounds")]
+impl<P: Precision> Hit<P> {
     #[inline]
-    pub(crate) fn of(TriangleHit { triangle, hit }: TriangleHit) -> Self {
-        let alpha = 1.0 - f64::from(hit.beta) - f64::from(hit.gamma);
-        let alpha = alpha.max(0.0) as f32;
+    pub(crate) fn of(TriangleHit { triangle, hit }: TriangleHit<P>) -> Self {
+        let (beta, gamma) = (hit.beta.to_f64(), hit.gamma.to_f64());
+        // What the first difference loses, which is nothing in f32, comes back in the second.
+        let rest = 1.0 - beta;
+        let lost = (1.0 - rest) - beta;
+        let alpha = P::from_f64(((rest - gamma) + lost).max(0.0));
         Self { triangle, t: hit.t, alpha, beta: hit.beta, gamma: hit.gamma }
     }
 
@@ -34,13 +36,12 @@ impl Hit {
     ///
     /// # Panics
     /// When the scene has no such triangle.
-    #[allow(clippy::cast_possible_truncation, reason = "rounds")]
-    pub fn point(&self, scene: &Scene) -> [f32; 3] {
+    pub fn point(&self, scene: &Scene<P>) -> [P; 3] {
         let corners = scene.corners(self.triangle);
-        let weights = [self.alpha, self.beta, self.gamma].map(f64::from);
+        let weights = [self.alpha, self.beta, self.gamma].map(P::to_f64);
         let point = |axis: usize| {
             let weighted = |k: usize| weights[k] * corners[k].to_array()[axis];
-            (weighted(0) + weighted(1) + weighted(2)) as f32
+            P::from_f64(weighted(0) + weighted(1) + weighted(2))
         };
         [0, 1, 2].map(point)
     }
@@ -51,30 +52,30 @@ impl Hit {
     ///
     /// # Panics
     /// When the scene has no such triangle.
-    #[allow(clippy::cast_possible_truncation, reason = "rounds")]
-    pub fn normal(&self, scene: &Scene) -> [f32; 3] {
+    pub fn normal(&self, scene: &Scene<P>) -> [P; 3] {
         let [a, b, c] = scene.corners(self.triangle);
         let normal: Vec3<f64> = (b - a).cross(c - a);
         let length = normal.dot(normal).sqrt();
-        if length > 0.0 { normal.to_array().map(|x| (x / length) as f32) } else { [0.0; 3] }
+        let share = |x: f64| P::from_f64(if length > 0.0 { x / length } else { 0.0 });
+        normal.to_array().map(share)
     }
 }
 
 /// All hits of each of many rays.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct AllHits(pub(crate) trisect_tracer::AllHits);
+#[derive(Clone, Debug, PartialEq)]
+pub struct AllHits<P = f32>(pub(crate) trisect_tracer::AllHits<P>);
 
-impl AllHits {
+impl<P: Precision> AllHits<P> {
     /// The hits of a ray, by its place among the rays, in order.
     ///
     /// # Panics
     /// When there is no such ray.
-    pub fn of(&self, ray: usize) -> impl ExactSizeIterator<Item = Hit> + '_ {
+    pub fn of(&self, ray: usize) -> impl ExactSizeIterator<Item = Hit<P>> + '_ {
         self.0.of(ray).iter().copied().map(Hit::of)
     }
 
     /// The hits of all rays, one ray after another.
-    pub fn hits(&self) -> impl ExactSizeIterator<Item = Hit> + '_ {
+    pub fn hits(&self) -> impl ExactSizeIterator<Item = Hit<P>> + '_ {
         self.0.hits().iter().copied().map(Hit::of)
     }
 

@@ -4,19 +4,22 @@
 mod error;
 mod hit;
 mod options;
+mod precision;
+mod rounded;
 mod scene;
 pub mod trees;
 
 pub use error::{SceneError, UpdateError};
 pub use hit::{AllHits, Hit};
 pub use options::SceneOptions;
+pub use precision::Precision;
 pub use scene::{Scene, View};
 
 /// A ray: its origin `o`, its direction `d`, which need not be of unit length, and the interval of `t` that counts,
 /// from 0 to infinity in [`Ray::new`].
-pub type Ray = trisect_core::Ray<f32>;
+pub type Ray<P = f32> = trisect_core::Ray<P>;
 /// Three points.
-pub type Triangle = trisect_core::Triangle<f32>;
+pub type Triangle<P = f32> = trisect_core::Triangle<P>;
 
 pub use trisect_core::Vec3;
 pub use trisect_mesh::{MeshError, Note};

@@ -1,6 +1,5 @@
 //! A mesh that rays are asked of.
 
-use std::cell::Cell;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -10,16 +9,16 @@ use trisect_tracer::{Statistics, Tracing, Tree, TriangleHit};
 
 use crate::options::corners;
 use crate::{
-    AllHits, Crossings, Hit, NotExact, Note, Place, Ray, SceneError, SceneOptions, Triangle,
-    UpdateError, Verdict,
+    AllHits, Crossings, Hit, NotExact, Note, Place, Precision, Ray, SceneError, SceneOptions,
+    Triangle, UpdateError, Verdict,
 };
 
 /// A mesh that rays are asked of, from any number of threads.
 ///
 /// A ray that is not finite, whose direction is zero, or whose interval is empty hits nothing.
-pub struct Scene {
-    pub(crate) tree: Box<dyn Tree>,
-    pub(crate) triangles: Vec<Triangle>,
+pub struct Scene<P: Precision = f32> {
+    pub(crate) tree: Box<dyn Tree<P>>,
+    pub(crate) triangles: Vec<Triangle<P>>,
     /// The vertices of each triangle; where there are none, it has three of its own.
     pub(crate) faces: Option<Box<[[u32; 3]]>>,
     /// How many vertices there are.
@@ -30,28 +29,13 @@ pub struct Scene {
 
 /// A scene of which some faces are not seen, or whose triangles own their crossings.
 #[derive(Clone, Copy)]
-pub struct View<'a> {
-    scene: &'a Scene,
+pub struct View<'a, P: Precision = f32> {
+    scene: &'a Scene<P>,
     culling: Culling,
     crossings: Crossings,
 }
 
-thread_local! {
-    /// Where a ray's hits are gathered: kept from ray to ray, so that none allocates.
-    static GATHERED: Cell<Vec<TriangleHit>> = const { Cell::new(Vec::new()) };
-}
-
 impl Scene {
-    /// A scene of faces, which name their corners among the vertices. It is never wrong: see
-    /// [`SceneOptions::exact`]. [`Scene::options`] has the other methods.
-    ///
-    /// # Errors
-    /// When a face names a vertex that there is not, or one that is not finite, or when there are more than 2²⁷
-    /// faces.
-    pub fn new(vertices: &[[f32; 3]], faces: &[[u32; 3]]) -> Result<Self, SceneError> {
-        Self::options().build(vertices, faces)
-    }
-
     /// The scene of a file: PLY, OBJ, STL or glTF.
     ///
     /// # Errors
@@ -59,12 +43,34 @@ impl Scene {
     pub fn open(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         Self::options().open(path)
     }
+}
+
+impl Scene<f64> {
+    /// The scene of a file, in f64: coordinates are not rounded, where the file has more bits than f32.
+    ///
+    /// # Errors
+    /// As [`open`](Scene::open).
+    pub fn open_f64(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        Self::options().open_f64(path)
+    }
+}
+
+impl<P: Precision> Scene<P> {
+    /// A scene of faces, which name their corners among the vertices. It is never wrong: see
+    /// [`SceneOptions::exact`]. [`Scene::options`] has the other methods.
+    ///
+    /// # Errors
+    /// When a face names a vertex that there is not, or one that is not finite, or when there are more than 2²⁷
+    /// faces.
+    pub fn new(vertices: &[[P; 3]], faces: &[[u32; 3]]) -> Result<Self, SceneError> {
+        Self::options().build(vertices, faces)
+    }
 
     /// A scene of triangles. Those that are not finite, or have no area, are never hit.
     ///
     /// # Errors
     /// When there are more than 2²⁷ triangles.
-    pub fn from_triangles(triangles: &[Triangle]) -> Result<Self, SceneError> {
+    pub fn from_triangles(triangles: &[Triangle<P>]) -> Result<Self, SceneError> {
         Self::options().from_triangles(triangles)
     }
 
@@ -74,25 +80,25 @@ impl Scene {
     /// # Errors
     /// As [`Scene::new`], and when the method cannot take the mesh.
     pub fn with_method<M: Method>(
-        vertices: &[[f32; 3]],
+        vertices: &[[P; 3]],
         faces: &[[u32; 3]],
     ) -> Result<Self, SceneError> {
         Self::options().with_method::<M>().build(vertices, faces)
     }
 
     /// How a scene is made otherwise.
-    pub fn options() -> SceneOptions {
+    pub fn options() -> SceneOptions<P> {
         SceneOptions::default()
     }
 
     /// The first hit of a ray: that of the smallest `t`; of several at one point, that of the lowest index. On a
     /// processor with AVX2, AVX-512 or Neon it allocates nothing.
-    pub fn first(&self, ray: &Ray) -> Option<Hit> {
+    pub fn first(&self, ray: &Ray<P>) -> Option<Hit<P>> {
         self.seen(Culling::None).first(ray)
     }
 
     /// Whether a ray hits anything: faster than [`first`](Scene::first), and allocates no more.
-    pub fn any(&self, ray: &Ray) -> bool {
+    pub fn any(&self, ray: &Ray<P>) -> bool {
         self.seen(Culling::None).any(ray)
     }
 
@@ -100,7 +106,7 @@ impl Scene {
     ///
     /// # Panics
     /// When there are not as many places as rays.
-    pub fn first_of(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+    pub fn first_of(&self, rays: &[Ray<P>], hits: &mut [Option<Hit<P>>]) {
         self.seen(Culling::None).first_of(rays, hits);
     }
 
@@ -108,34 +114,38 @@ impl Scene {
     ///
     /// # Panics
     /// When there are not as many places as rays.
-    pub fn any_of(&self, rays: &[Ray], hits: &mut [bool]) {
+    pub fn any_of(&self, rays: &[Ray<P>], hits: &mut [bool]) {
         self.seen(Culling::None).any_of(rays, hits);
     }
 
     /// All hits of a ray, by `t`, then by index: every triangle once. The exact method orders them by their true `t`,
     /// however near they are to each other. `hits` is cleared before; nothing is allocated once it has room.
-    pub fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
+    pub fn all(&self, ray: &Ray<P>, hits: &mut Vec<Hit<P>>) {
         self.seen(Culling::None).all(ray, hits);
     }
 
     /// How many hits [`all`](Scene::all) finds. Allocates nothing.
-    pub fn count(&self, ray: &Ray) -> u32 {
+    pub fn count(&self, ray: &Ray<P>) -> u32 {
         self.seen(Culling::None).count(ray)
     }
 
     /// The first hit that a program accepts. It is offered hits in no particular order, and may be offered one more than
     /// once, but none behind a hit that it has accepted.
-    pub fn filtered(&self, ray: &Ray, program: impl FnMut(&Hit) -> Verdict) -> Option<Hit> {
+    pub fn filtered(
+        &self,
+        ray: &Ray<P>,
+        program: impl FnMut(&Hit<P>) -> Verdict,
+    ) -> Option<Hit<P>> {
         self.seen(Culling::None).filtered(ray, program)
     }
 
     /// The first hit with a triangle left out: the one that the ray starts from.
-    pub fn first_but(&self, ray: &Ray, triangle: u32) -> Option<Hit> {
+    pub fn first_but(&self, ray: &Ray<P>, triangle: u32) -> Option<Hit<P>> {
         self.seen(Culling::None).first_but(ray, triangle)
     }
 
     /// [`all`](Scene::all) of each ray, on the threads of the rayon pool that it is called in.
-    pub fn all_of(&self, rays: &[Ray]) -> AllHits {
+    pub fn all_of(&self, rays: &[Ray<P>]) -> AllHits<P> {
         self.seen(Culling::None).all_of(rays)
     }
 
@@ -143,7 +153,7 @@ impl Scene {
     ///
     /// # Panics
     /// When there are not as many places as rays.
-    pub fn count_of(&self, rays: &[Ray], counts: &mut [u32]) {
+    pub fn count_of(&self, rays: &[Ray<P>], counts: &mut [u32]) {
         self.seen(Culling::None).count_of(rays, counts);
     }
 
@@ -153,7 +163,7 @@ impl Scene {
     ///
     /// # Errors
     /// When the scene's method is not exact.
-    pub fn contains(&self, point: [f32; 3]) -> Result<Place, NotExact> {
+    pub fn contains(&self, point: [P; 3]) -> Result<Place, NotExact> {
         self.tree.contains(point.into())
     }
 
@@ -161,8 +171,8 @@ impl Scene {
     ///
     /// # Errors
     /// As [`contains`](Scene::contains).
-    pub fn contains_of(&self, points: &[[f32; 3]]) -> Result<Vec<Place>, NotExact> {
-        let points: Vec<Vec3<f32>> = points.iter().map(|&point| point.into()).collect();
+    pub fn contains_of(&self, points: &[[P; 3]]) -> Result<Vec<Place>, NotExact> {
+        let points: Vec<Vec3<P>> = points.iter().map(|&point| point.into()).collect();
         let mut places = vec![Place::Outside; points.len()];
         self.tree.contains_of(&points, &mut places)?;
         Ok(places)
@@ -170,13 +180,13 @@ impl Scene {
 
     /// The same scene for queries that do not see some faces. The front of a triangle is where its corners run
     /// counter-clockwise.
-    pub fn seen(&self, culling: Culling) -> View<'_> {
+    pub fn seen(&self, culling: Culling) -> View<'_, P> {
         View { scene: self, culling, crossings: Crossings::Every }
     }
 
     /// The same scene for queries that find all hits or count them, with a choice of what counts where a ray meets an
     /// edge or a corner that triangles share. [`Crossings::Owned`] takes the exact method.
-    pub fn crossings(&self, crossings: Crossings) -> View<'_> {
+    pub fn crossings(&self, crossings: Crossings) -> View<'_, P> {
         self.seen(Culling::None).crossings(crossings)
     }
 
@@ -188,7 +198,7 @@ impl Scene {
     /// # Errors
     /// When there are not as many vertices as before, when one that a face names is not finite, or when a triangle that
     /// had no area as the scene was made has one now. The scene is as before then.
-    pub fn update(&mut self, vertices: &[[f32; 3]]) -> Result<(), UpdateError> {
+    pub fn update(&mut self, vertices: &[[P; 3]]) -> Result<(), UpdateError> {
         let (made, given) = (self.vertices, vertices.len());
         if made != given {
             return Err(UpdateError::Count { made, given });
@@ -205,7 +215,7 @@ impl Scene {
     }
 
     /// The triangles, by index.
-    pub fn triangles(&self) -> &[Triangle] {
+    pub fn triangles(&self) -> &[Triangle<P>] {
         &self.triangles
     }
 
@@ -220,44 +230,48 @@ impl Scene {
     }
 
     pub(crate) fn corners(&self, triangle: u32) -> [Vec3<f64>; 3] {
-        self.triangles[triangle as usize].corners().map(Vec3::from)
+        self.triangles[triangle as usize].corners().map(|corner| corner.map(P::to_f64))
     }
 }
 
-impl View<'_> {
+impl<P: Precision> View<'_, P> {
     /// As [`Scene::crossings`].
     pub fn crossings(self, crossings: Crossings) -> Self {
         Self { crossings, ..self }
     }
 
     /// As [`Scene::all`].
-    pub fn all(&self, ray: &Ray, hits: &mut Vec<Hit>) {
-        let mut found = GATHERED.take();
-        self.scene.tree.all(Tracing::Single, self.culling, self.crossings, ray, &mut found);
-        hits.clear();
-        hits.extend(found.iter().copied().map(Hit::of));
-        GATHERED.set(found);
+    pub fn all(&self, ray: &Ray<P>, hits: &mut Vec<Hit<P>>) {
+        P::gathering(|found| {
+            self.scene.tree.all(Tracing::Single, self.culling, self.crossings, ray, found);
+            hits.clear();
+            hits.extend(found.iter().copied().map(Hit::of));
+        });
     }
 
     /// As [`Scene::count`].
-    pub fn count(&self, ray: &Ray) -> u32 {
+    pub fn count(&self, ray: &Ray<P>) -> u32 {
         self.scene.tree.count(Tracing::Single, self.culling, self.crossings, ray)
     }
 
     /// As [`Scene::filtered`].
-    pub fn filtered(&self, ray: &Ray, mut program: impl FnMut(&Hit) -> Verdict) -> Option<Hit> {
-        let mut of = |hit: &TriangleHit| program(&Hit::of(*hit));
+    pub fn filtered(
+        &self,
+        ray: &Ray<P>,
+        mut program: impl FnMut(&Hit<P>) -> Verdict,
+    ) -> Option<Hit<P>> {
+        let mut of = |hit: &TriangleHit<P>| program(&Hit::of(*hit));
         self.scene.tree.filtered(Tracing::Single, self.culling, ray, &mut of).map(Hit::of)
     }
 
     /// As [`Scene::first_but`].
-    pub fn first_but(&self, ray: &Ray, triangle: u32) -> Option<Hit> {
+    pub fn first_but(&self, ray: &Ray<P>, triangle: u32) -> Option<Hit<P>> {
         self.scene.tree.closest_but(Tracing::Single, self.culling, ray, triangle).map(Hit::of)
     }
 
     /// As [`Scene::all_of`].
-    pub fn all_of(&self, rays: &[Ray]) -> AllHits {
-        let mut all = AllHits::default();
+    pub fn all_of(&self, rays: &[Ray<P>]) -> AllHits<P> {
+        let mut all = AllHits(trisect_tracer::AllHits::default());
         self.scene.tree.all_of(Tracing::Single, self.culling, self.crossings, rays, &mut all.0);
         all
     }
@@ -266,18 +280,18 @@ impl View<'_> {
     ///
     /// # Panics
     /// When there are not as many places as rays.
-    pub fn count_of(&self, rays: &[Ray], counts: &mut [u32]) {
+    pub fn count_of(&self, rays: &[Ray<P>], counts: &mut [u32]) {
         assert_eq!(rays.len(), counts.len(), "each ray has a place for its count");
         self.scene.tree.count_of(Tracing::Single, self.culling, self.crossings, rays, counts);
     }
 
     /// As [`Scene::first`].
-    pub fn first(&self, ray: &Ray) -> Option<Hit> {
+    pub fn first(&self, ray: &Ray<P>) -> Option<Hit<P>> {
         self.scene.tree.closest_hit(self.culling, ray).map(Hit::of)
     }
 
     /// As [`Scene::any`].
-    pub fn any(&self, ray: &Ray) -> bool {
+    pub fn any(&self, ray: &Ray<P>) -> bool {
         self.scene.tree.any_hit(self.culling, ray)
     }
 
@@ -285,7 +299,7 @@ impl View<'_> {
     ///
     /// # Panics
     /// When there are not as many places as rays.
-    pub fn first_of(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+    pub fn first_of(&self, rays: &[Ray<P>], hits: &mut [Option<Hit<P>>]) {
         assert_eq!(rays.len(), hits.len(), "each ray has a place for its hit");
         let mut found = vec![None; rays.len()];
         self.scene.tree.closest(self.scene.batches, self.culling, rays, &mut found);
@@ -301,7 +315,7 @@ impl View<'_> {
     ///
     /// # Panics
     /// When there are not as many places as rays.
-    pub fn any_of(&self, rays: &[Ray], hits: &mut [bool]) {
+    pub fn any_of(&self, rays: &[Ray<P>], hits: &mut [bool]) {
         assert_eq!(rays.len(), hits.len(), "each ray has a place for its answer");
         self.scene.tree.any(self.scene.batches, self.culling, rays, hits);
     }

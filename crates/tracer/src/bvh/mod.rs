@@ -2,5 +2,6 @@
 
 pub(crate) mod bounds;
 pub(crate) mod builders;
+pub(crate) mod frame;
 pub(crate) mod node;
 pub(crate) mod wide;

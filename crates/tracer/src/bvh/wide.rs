@@ -1,7 +1,10 @@
 //! The wide tree, without what a method stores per triangle.
 
+use trisect_core::Triangle;
+
 use super::bounds::Bounds;
 use super::builders::settings::Builder;
+use super::frame::Frame;
 use super::node::{Child, Node, child};
 use crate::vectors::WIDTH;
 
@@ -13,6 +16,8 @@ pub(crate) struct WideTree {
     pub(crate) bounds: Bounds,
     /// Whether tests of boxes must allow for their own rounding.
     pub(crate) is_robust: bool,
+    /// Where boxes are in relation to triangles and rays; nowhere else where there is none.
+    pub(crate) frame: Option<Frame>,
     pub(crate) origin: Origin,
 }
 
@@ -84,15 +89,28 @@ impl WideTree {
     /// tests of boxes are robust. They compute `v·r − o·r` for a side at `v`, and `r` is as large as 10¹⁸ along
     /// an axis that the ray runs across: there the rounding of `o·r` alone would decide about a ray that lies
     /// in the side. A point of the side is off by `u·|o| + 2u·|v − o|` at most, so no box loses a ray whose
-    /// origin has no larger coordinates than the tree.
+    /// origin has no larger coordinates than the tree. In a [frame](super::frame) that says how much larger they
+    /// are.
     pub(crate) fn widen_boxes(&mut self) {
-        if self.is_robust {
-            return;
-        }
-        let margin = self.bounds.largest() * (4.0 * f32::EPSILON);
+        let margin = match &self.frame {
+            Some(frame) => frame.margin,
+            None if self.is_robust => return,
+            None => self.bounds.largest() * (4.0 * f32::EPSILON),
+        };
         // It is infinite where there are no triangles.
         if margin.is_finite() {
             self.nodes.iter_mut().for_each(|node| node.widen(margin));
         }
+    }
+}
+
+/// Says which triangles are in a tree, of those that boxes are built around.
+pub(crate) type CanBeHit = fn(&Triangle<f32>) -> bool;
+
+/// That of a tree in a frame or in none: in a frame triangles are rounded, and those that nothing hits are NaN all over.
+pub(crate) fn can_be_hit(frame: Option<&Frame>) -> CanBeHit {
+    match frame {
+        Some(_) => |triangle| triangle.a.x.is_finite(),
+        None => Triangle::can_be_hit,
     }
 }

@@ -6,28 +6,29 @@ use trisect_method::{Method, Of, Record as _, rows};
 
 use crate::bvh::builders::members::Members;
 use crate::parallel::each;
+use crate::precision::Real;
 use crate::vectors::WIDTH;
 
 /// Eight triangles of one kind, prepared, number by number.
 #[repr(align(64))]
-pub(crate) struct Block<M: Method> {
-    pub(crate) prepared: Of<M::Prepared, [f32; WIDTH]>,
+pub(crate) struct Block<M: Method, P: Real = f32> {
+    pub(crate) prepared: Of<M::Prepared, [P; WIDTH]>,
     /// Their ids. The last one is repeated to fill the block.
     pub(crate) triangles: [u32; WIDTH],
 }
 
-impl<M: Method> Clone for Block<M> {
+impl<M: Method, P: Real> Clone for Block<M, P> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<M: Method> Copy for Block<M> {}
+impl<M: Method, P: Real> Copy for Block<M, P> {}
 
-impl<M: Method> Block<M> {
+impl<M: Method, P: Real> Block<M, P> {
     /// As many of its triangles as there are lanes, from `lane` on, with `AXIS` renamed to the last.
     #[inline(always)]
-    pub(crate) fn lanes<L: Lanes<Elem = f32>, const AXIS: usize>(
+    pub(crate) fn lanes<L: Lanes<Elem = P>, const AXIS: usize>(
         &self,
         token: L::Token,
         lane: usize,
@@ -35,7 +36,7 @@ impl<M: Method> Block<M> {
         let triangles = M::Prepared::map(
             &self.prepared,
             #[inline(always)]
-            |row: &[f32; WIDTH]| L::load(token, &row[lane..]),
+            |row: &[P; WIDTH]| L::load(token, &row[lane..]),
         );
         M::Prepared::with_axis_last(&triangles, AXIS)
     }
@@ -43,8 +44,8 @@ impl<M: Method> Block<M> {
 
 /// All blocks of a tree.
 #[allow(clippy::struct_field_names, reason = "they are what it is named for")]
-pub(crate) struct Blocks<M: Method> {
-    pub(crate) blocks: Vec<Block<M>>,
+pub(crate) struct Blocks<M: Method, P: Real = f32> {
+    pub(crate) blocks: Vec<Block<M, P>>,
     /// The kind of each block's triangles; empty for a method that has one kind.
     kinds: Vec<u8>,
     /// Per block, in bits, the triangles that are in other places as well; empty where there are none.
@@ -58,11 +59,11 @@ pub(crate) fn slot(block: usize, lane: usize) -> u32 {
     (block * WIDTH + lane) as u32
 }
 
-impl<M: Method> Blocks<M> {
+impl<M: Method, P: Real> Blocks<M, P> {
     /// Prepares the triangles of each block.
-    pub(crate) fn new(triangles: &[Triangle<f32>], members: &[Members]) -> Self {
+    pub(crate) fn new(triangles: &[Triangle<P>], members: &[Members]) -> Self {
         let block = |members: &Members| Block {
-            prepared: rows::<M::Prepared, f32, WIDTH>(|lane| {
+            prepared: rows::<M::Prepared, P, WIDTH>(|lane| {
                 let id = members.triangles[lane];
                 // What fills a block must not be hit: an exact method settles each hit.
                 let is_filler = lane > 0 && id == members.triangles[lane - 1];
@@ -95,12 +96,12 @@ impl<M: Method> Blocks<M> {
 
     /// The triangle in a slot, as it was prepared.
     #[inline(always)]
-    pub(crate) fn prepared(&self, slot: u32) -> Of<M::Prepared, f32> {
+    pub(crate) fn prepared(&self, slot: u32) -> Of<M::Prepared, P> {
         let lane = slot as usize % WIDTH;
         M::Prepared::map(
             &self.blocks[slot as usize / WIDTH].prepared,
             #[inline(always)]
-            |row: &[f32; WIDTH]| row[lane],
+            |row: &[P; WIDTH]| row[lane],
         )
     }
 
@@ -117,7 +118,7 @@ impl<M: Method> Blocks<M> {
         M::Prepared::map(
             &block.prepared,
             #[inline(always)]
-            |row: &[f32; WIDTH]| prefetch_index(row, 0),
+            |row: &[P; WIDTH]| prefetch_index(row, 0),
         );
         prefetch_index(block.triangles.as_slice(), 0);
     }

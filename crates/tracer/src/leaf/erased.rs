@@ -14,8 +14,9 @@ use super::single::{AtLeaf, test_ray};
 use crate::bvh::builders::members::{Kinds, Members};
 use crate::hit::TriangleHit;
 use crate::lanes::{Job, PlainLanes, on_fast_lanes};
+use crate::precision::Real;
 use crate::query::{Any, Promised, Robust};
-use crate::rays::batch::{RAYS, RayBatch};
+use crate::rays::batch::{Gather as _, RAYS, RayBatch};
 use crate::vectors::WIDTH;
 
 /// Tests the leaves of a tree for a batch of rays, and keeps their hits.
@@ -67,7 +68,7 @@ pub(crate) struct Tester<'a, M: Method, L: Lanes, Q: LeafQuery<M>> {
 impl<'a, M: Method, L: Lanes, Q: LeafQuery<M>> Tester<'a, M, L, Q> {
     #[inline(always)]
     pub(crate) fn new(blocks: &'a Blocks<M>, token: L::Token, query: Q) -> Self {
-        Self { blocks, token, query, hits: Hits::new::<M, Q>() }
+        Self { blocks, token, query, hits: Hits::new::<M, f32, Q>() }
     }
 }
 
@@ -78,7 +79,7 @@ where
     Q: LeafQuery<M>,
 {
     fn clear(&mut self) {
-        self.hits.clear::<M, Q>();
+        self.hits.clear::<M, f32, Q>();
     }
 
     fn prefetch(&self, block: usize) {
@@ -102,7 +103,8 @@ where
                     let (ray, best) = (rays.ray(index), &mut hits.best[index]);
                     let at_leaf = AtLeaf { blocks, query, ray };
                     let of = (&*rays, index);
-                    let is_hit = test_ray::<M, L, Q, RAYS>(token, at_leaf, leaf.clone(), of, best);
+                    let is_hit =
+                        test_ray::<M, f32, L, Q, RAYS>(token, at_leaf, leaf.clone(), of, best);
                     any |= is_hit;
                     let tmax = Q::end(best, ray.tmax);
                     rays.shorten(index, select_unpredictable(is_hit, tmax, ray.tmax));
@@ -125,22 +127,12 @@ where
 pub(crate) type With<'a, F> = &'a mut dyn FnMut(&mut dyn LeafTester<F>);
 
 /// The leaves of a tree, whatever the method.
-pub(crate) trait ErasedLeaves: Send + Sync {
-    /// Calls `with` for the nearest hits of faces that are seen, on fast lanes; not where the processor has
-    /// none.
-    fn closest(&self, culling: Culling, with: With<'_, TriangleHit>);
-
-    /// The same for any hits.
-    fn any(&self, culling: Culling, with: With<'_, bool>);
-
-    /// Calls `with` for the nearest hits of faces that are seen, in plain arithmetic.
-    fn plain(&self, lanes: PlainLanes, culling: Culling, with: With<'_, TriangleHit>);
-
+pub(crate) trait LeafData<P>: Send + Sync {
     /// Calls `with` for all hits of faces that are seen: on plain lanes, or where none are named on fast ones.
-    fn reporter(&self, lanes: Option<PlainLanes>, culling: Culling, with: WithReporter<'_>);
+    fn reporter(&self, lanes: Option<PlainLanes>, culling: Culling, with: WithReporter<'_, P>);
 
     /// What is known exactly; none of a method that rounds.
-    fn exact(&self) -> Option<&dyn ExactLeaves>;
+    fn exact(&self) -> Option<&dyn ExactLeaves<P>>;
 
     /// The ids of the triangles of a block.
     fn triangles(&self, block: usize) -> &[u32; WIDTH];
@@ -155,20 +147,33 @@ pub(crate) trait ErasedLeaves: Send + Sync {
     ///
     /// # Errors
     /// When the method cannot take the mesh.
-    fn kinds(&self, triangles: &[Triangle<f32>]) -> Result<Kinds, UnsuitableMesh>;
+    fn kinds(&self, triangles: &[Triangle<P>]) -> Result<Kinds, UnsuitableMesh>;
 
     /// Prepares the triangles of each block anew.
-    fn prepare(&mut self, triangles: &[Triangle<f32>], members: &[Members]);
+    fn prepare(&mut self, triangles: &[Triangle<P>], members: &[Members]);
+}
+
+/// The leaves of a tree that loops go through which are compiled once for all methods.
+pub(crate) trait ErasedLeaves: LeafData<f32> {
+    /// Calls `with` for the nearest hits of faces that are seen, on fast lanes; not where the processor has
+    /// none.
+    fn closest(&self, culling: Culling, with: With<'_, TriangleHit>);
+
+    /// The same for any hits.
+    fn any(&self, culling: Culling, with: With<'_, bool>);
+
+    /// Calls `with` for the nearest hits of faces that are seen, in plain arithmetic.
+    fn plain(&self, lanes: PlainLanes, culling: Culling, with: With<'_, TriangleHit>);
 }
 
 /// The leaves of a tree.
-pub(crate) struct MethodLeaves<M: Method, K> {
-    pub(crate) blocks: Blocks<M>,
+pub(crate) struct MethodLeaves<M: Method, K, P: Real = f32> {
+    pub(crate) blocks: Blocks<M, P>,
     queries: PhantomData<fn() -> K>,
 }
 
-impl<M: Method, K: Queries<M>> MethodLeaves<M, K> {
-    pub(crate) fn new(blocks: Blocks<M>) -> Self {
+impl<M: Method, K: Queries<M, P>, P: Real> MethodLeaves<M, K, P> {
+    pub(crate) fn new(blocks: Blocks<M, P>) -> Self {
         Self { blocks, queries: PhantomData }
     }
 }
@@ -188,17 +193,19 @@ impl<M: Method, K: Queries<M>> ErasedLeaves for MethodLeaves<M, K> {
         let query = K::closest::<Robust, Culling>(culling);
         lanes.run(WithTester { blocks: &self.blocks, query, with });
     }
+}
 
-    fn reporter(&self, lanes: Option<PlainLanes>, culling: Culling, with: WithReporter<'_>) {
+impl<M: Method, K: Queries<M, P>, P: Real> LeafData<P> for MethodLeaves<M, K, P> {
+    fn reporter(&self, lanes: Option<PlainLanes>, culling: Culling, with: WithReporter<'_, P>) {
         let reporting =
-            Reporting::<M, K> { blocks: &self.blocks, culling, with, reports: PhantomData };
+            Reporting::<M, K, P> { blocks: &self.blocks, culling, with, reports: PhantomData };
         match lanes {
             Some(lanes) => lanes.run(reporting),
             None => on_fast_lanes(reporting).unwrap_or_default(),
         }
     }
 
-    fn exact(&self) -> Option<&dyn ExactLeaves> {
+    fn exact(&self) -> Option<&dyn ExactLeaves<P>> {
         K::exact(&self.blocks)
     }
 
@@ -214,11 +221,11 @@ impl<M: Method, K: Queries<M>> ErasedLeaves for MethodLeaves<M, K> {
         self.blocks.bytes()
     }
 
-    fn kinds(&self, triangles: &[Triangle<f32>]) -> Result<Kinds, UnsuitableMesh> {
-        Kinds::new::<M>(triangles)
+    fn kinds(&self, triangles: &[Triangle<P>]) -> Result<Kinds, UnsuitableMesh> {
+        Kinds::new::<M, P>(triangles)
     }
 
-    fn prepare(&mut self, triangles: &[Triangle<f32>], members: &[Members]) {
+    fn prepare(&mut self, triangles: &[Triangle<P>], members: &[Members]) {
         self.blocks = Blocks::new(triangles, members);
     }
 }

@@ -5,6 +5,7 @@
 //! Values are computed once, when the ray has left the tree.
 
 use std::hint::select_unpredictable;
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use trisect_core::{Hit, Lanes, Ray, Triangle, Vec3};
@@ -15,37 +16,39 @@ use trisect_method::{
 use super::blocks::{Blocks, slot};
 use super::query::{Hits, InBlock, LeafQuery, Left, Queries, end_after};
 use crate::hit::TriangleHit;
-use crate::query::{Boxes, Faces, Query, Robust};
-use crate::rays::batch::{RayBatch, Row};
+use crate::precision::Real;
+use crate::query::{Boxes, Faces, Query};
+use crate::rays::batch::Rays;
 use crate::vectors::{WIDTH, least};
 
 /// The queries of an exact method.
 pub(crate) struct Exactly;
 
-impl<M: ExactMethod> Queries<M> for Exactly {
+impl<M: ExactMethod, P: Real> Queries<M, P> for Exactly {
     const LINES: bool = true;
-    type Closest<B: Boxes, F: Faces> = ExactClosest<F>;
+    type Closest<B: Boxes, F: Faces> = ExactClosest<B, F, P>;
 
     #[inline(always)]
-    fn closest<B: Boxes, F: Faces>(faces: F) -> ExactClosest<F> {
-        ExactClosest { faces }
+    fn closest<B: Boxes, F: Faces>(faces: F) -> ExactClosest<B, F, P> {
+        ExactClosest { faces, boxes: PhantomData }
     }
 }
 
 /// The hit that is first in exact arithmetic; of those at the very same point that of the lowest id.
 #[derive(Clone, Copy)]
-pub(crate) struct ExactClosest<F> {
+pub(crate) struct ExactClosest<B, F, P> {
     faces: F,
+    boxes: PhantomData<(B, P)>,
 }
 
-impl<F: Faces> Query for ExactClosest<F> {
+impl<B: Boxes, F: Faces, P: Real> Query for ExactClosest<B, F, P> {
     const ANY: bool = false;
-    type Boxes = Robust;
-    type Found = TriangleHit;
-    type Output = Option<TriangleHit>;
+    type Boxes = B;
+    type Found = TriangleHit<P>;
+    type Output = Option<TriangleHit<P>>;
 
     #[inline(always)]
-    fn output(found: &TriangleHit) -> Option<TriangleHit> {
+    fn output(found: &TriangleHit<P>) -> Option<TriangleHit<P>> {
         found.is_hit().then_some(*found)
     }
 }
@@ -54,14 +57,14 @@ impl<F: Faces> Query for ExactClosest<F> {
 /// many are cleared, in few instructions.
 #[derive(Clone, Copy)]
 #[repr(align(16))]
-pub(crate) struct Bounded {
+pub(crate) struct Bounded<P> {
     slot: u32,
-    low: f32,
-    high: f32,
+    low: P,
+    high: P,
 }
 
-impl Bounded {
-    const NONE: Self = Self { slot: u32::MAX, low: f32::MAX, high: f32::MAX };
+impl<P: Real> Bounded<P> {
+    const NONE: Self = Self { slot: u32::MAX, low: P::MAX, high: P::MAX };
 
     #[inline(always)]
     fn is_hit(&self) -> bool {
@@ -70,20 +73,20 @@ impl Bounded {
 }
 
 /// Room for the values of hits.
-pub(crate) struct Values<const N: usize> {
+pub(crate) struct Values<P, const N: usize> {
     /// The triangles that rays hit. Where there is none, arbitrary numbers, so that nothing has to be cleared.
-    corners: Triangle<Row<N>>,
-    found: [TriangleHit; N],
+    corners: Triangle<[P; N]>,
+    found: [TriangleHit<P>; N],
 }
 
-impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
-    type Best = Bounded;
-    type Room<const N: usize> = Values<N>;
-    const NOTHING: Bounded = Bounded::NONE;
+impl<M: ExactMethod, B: Boxes, F: Faces, P: Real> LeafQuery<M, P> for ExactClosest<B, F, P> {
+    type Best = Bounded<P>;
+    type Room<const N: usize> = Values<P, N>;
+    const NOTHING: Bounded<P> = Bounded::NONE;
 
     #[inline(always)]
-    fn room<const N: usize>() -> Values<N> {
-        let zeros = Vec3::new([0.0; N], [0.0; N], [0.0; N]);
+    fn room<const N: usize>() -> Values<P, N> {
+        let zeros = Vec3::new([P::ZERO; N], [P::ZERO; N], [P::ZERO; N]);
         Values { corners: Triangle { a: zeros, b: zeros, c: zeros }, found: [TriangleHit::NONE; N] }
     }
 
@@ -93,23 +96,23 @@ impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
     }
 
     #[inline(always)]
-    fn is_hit(best: &Bounded) -> bool {
+    fn is_hit(best: &Bounded<P>) -> bool {
         best.is_hit()
     }
 
     #[inline(always)]
-    fn end(best: &Bounded, tmax: f32) -> f32 {
-        end_after::<Robust>(best.high, tmax)
+    fn end(best: &Bounded<P>, tmax: P) -> P {
+        end_after::<B, P>(best.high, tmax)
     }
 
     #[inline(always)]
-    fn test<L: Lanes<Elem = f32>>(
+    fn test<L: Lanes<Elem = P>>(
         self,
         ray: &M::PreparedRay<L>,
         triangles: &Of<M::Prepared, L>,
         interval: Interval<L>,
-        InBlock { at, lane, .. }: InBlock<'_, M>,
-        best: &mut Bounded,
+        InBlock { at, lane, .. }: InBlock<'_, M, P>,
+        best: &mut Bounded<P>,
     ) -> u64 {
         let mut left = 0;
         M::screen(
@@ -118,7 +121,7 @@ impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
             interval,
             self.faces.culling(),
             #[inline(always)]
-            |screened| left = take::<L>(screened, slot(at, lane), best),
+            |screened| left = take::<P, L>(screened, slot(at, lane), best),
         );
         left
     }
@@ -128,11 +131,11 @@ impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
     #[inline(always)]
     fn settle<const N: usize>(
         self,
-        blocks: &Blocks<M>,
-        rays: &RayBatch<N>,
+        blocks: &Blocks<M, P>,
+        rays: &impl Rays<P, N>,
         index: usize,
         Left { blocks: Range { start, end }, lanes }: Left,
-        best: &mut Bounded,
+        best: &mut Bounded<P>,
     ) {
         settle(blocks, self.faces.culling(), rays, index, (start, end, lanes), best);
     }
@@ -142,14 +145,14 @@ impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
     /// brought to them.
     #[inline(always)]
     fn finish<'a, const N: usize>(
-        blocks: &Blocks<M>,
-        rays: &RayBatch<N>,
-        Hits { best, room: Values { corners, found } }: &'a mut Hits<Bounded, Values<N>, N>,
-    ) -> &'a [TriangleHit; N] {
+        blocks: &Blocks<M, P>,
+        rays: &impl Rays<P, N>,
+        Hits { best, room: Values { corners, found } }: &'a mut Hits<Bounded<P>, Values<P, N>, N>,
+    ) -> &'a [TriangleHit<P>; N] {
         let mut hits = 0;
         for (index, (best, found)) in best.iter().zip(&mut *found).enumerate() {
             hits |= u64::from(best.is_hit()) << index;
-            found.triangle = TriangleHit::NONE.triangle;
+            found.triangle = TriangleHit::<P>::NONE.triangle;
         }
         if hits == 0 {
             return found;
@@ -166,7 +169,7 @@ impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
             // Here, where the next triangle does not wait for it: ids are in a part of the block not yet seen.
             found[index].triangle = blocks.triangle(slot);
         }
-        let values = M::values(&rays.rays(), corners, hits);
+        let values = M::values(&rays.rows(), corners, hits);
         while hits != 0 {
             let index = hits.trailing_zeros() as usize % N;
             hits &= hits - 1;
@@ -178,17 +181,21 @@ impl<M: ExactMethod, F: Faces> LeafQuery<M> for ExactClosest<F> {
 }
 
 #[inline(always)]
-fn put<const N: usize>(rows: &mut Vec3<Row<N>>, index: usize, v: Vec3<f32>) {
+fn put<P, const N: usize>(rows: &mut Vec3<[P; N]>, index: usize, v: Vec3<P>) {
     (rows.x[index], rows.y[index], rows.z[index]) = (v.x, v.y, v.z);
 }
 
 /// Takes what comes before the best hit of the lanes whose slots begin at `first_slot`. Where the bounds do not tell
 /// which of them does, takes nothing: the lanes that may, in bits.
 #[inline(always)]
-fn take<L: Lanes<Elem = f32>>(screened: Screened<L>, first_slot: u32, best: &mut Bounded) -> u64 {
+fn take<P: Real, L: Lanes<Elem = P>>(
+    screened: Screened<L>,
+    first_slot: u32,
+    best: &mut Bounded<P>,
+) -> u64 {
     let Screened { certain, open, low, high } = screened;
-    let first_high = least(L::select(certain, high, high.constant(f32::INFINITY)));
-    let mut lows = [0.0; WIDTH];
+    let first_high = least(L::select(certain, high, high.constant(P::INFINITY)));
+    let mut lows = [P::ZERO; WIDTH];
     low.store(&mut lows);
     let is_before = first_high < best.low;
     // All that may come before, or at the same point: among them whatever ends there.
@@ -211,15 +218,15 @@ fn take<L: Lanes<Elem = f32>>(screened: Screened<L>, first_slot: u32, best: &mut
 /// exactly.
 #[cold]
 #[inline(never)]
-fn settle<M: ExactMethod, const N: usize>(
-    blocks: &Blocks<M>,
+fn settle<M: ExactMethod, P: Real, const N: usize>(
+    blocks: &Blocks<M, P>,
     culling: Culling,
-    rays: &RayBatch<N>,
+    rays: &impl Rays<P, N>,
     index: usize,
     (start, end, left): (usize, usize, u64),
-    best: &mut Bounded,
+    best: &mut Bounded<P>,
 ) {
-    let ray = &rays.ray(index);
+    let ray = &rays.one(index);
     let known = best.is_hit().then(|| blocks.triangle(best.slot));
     let mut first = None;
     let lanes = (start..end).flat_map(|block| (0..WIDTH).map(move |lane| (block, lane)));
@@ -229,33 +236,33 @@ fn settle<M: ExactMethod, const N: usize>(
         let triangle = blocks.triangle(slot);
         let prepared = blocks.prepared(slot);
         // Where space is split a ray meets a triangle in several leaves.
-        if known == Some(triangle) || !is_hit::<M>(ray, culling, &prepared) {
+        if known == Some(triangle) || !is_hit::<M, P>(ray, culling, &prepared) {
             continue;
         }
         let (first_slot, first) =
             first.get_or_insert_with(|| (best.slot, with_values(blocks, ray, *best)));
-        let other = TriangleHit { triangle, hit: values::<M>(ray, &prepared) };
+        let other = TriangleHit { triangle, hit: values::<M, P>(ray, &prepared) };
         if first.improve_by(other, || M::order(ray, &prepared, &blocks.prepared(*first_slot))) {
             *first_slot = slot;
         }
     }
     if let Some((slot, TriangleHit { hit: Hit { t, .. }, .. })) = first {
         // `t` was rounded once, and so are its bounds.
-        let rounding = t.abs().mul_add(2.0 * f32::EPSILON, f32::MIN_POSITIVE);
+        let rounding = t.abs() * P::ROUNDINGS + P::UNDERFLOW;
         *best = Bounded { slot, low: t - rounding, high: t + rounding };
     }
 }
 
 /// Whether a ray hits a triangle.
-pub(super) fn is_hit<M: ExactMethod>(
-    ray: &Ray<f32>,
+pub(super) fn is_hit<M: ExactMethod, P: Real>(
+    ray: &Ray<P>,
     culling: Culling,
-    prepared: &Of<M::Prepared, f32>,
+    prepared: &Of<M::Prepared, P>,
 ) -> bool {
     let interval = Interval { tmin: ray.tmin, tmax: ray.tmax };
-    let ray = M::prepare_ray::<f32>(ray, 0);
+    let ray = M::prepare_ray::<P>(ray, 0);
     let mut is_hit = false;
-    M::test::<f32, DecisionOnly<Deferred<TrueDivision, true>>>(
+    M::test::<P, DecisionOnly<Deferred<TrueDivision, true>>>(
         &ray,
         prepared,
         interval,
@@ -266,16 +273,20 @@ pub(super) fn is_hit<M: ExactMethod>(
 }
 
 /// The best hit with its values.
-fn with_values<M: ExactMethod>(blocks: &Blocks<M>, ray: &Ray<f32>, best: Bounded) -> TriangleHit {
+fn with_values<M: ExactMethod, P: Real>(
+    blocks: &Blocks<M, P>,
+    ray: &Ray<P>,
+    best: Bounded<P>,
+) -> TriangleHit<P> {
     if !best.is_hit() {
         return TriangleHit::NONE;
     }
-    let hit = values::<M>(ray, &blocks.prepared(best.slot));
+    let hit = values::<M, P>(ray, &blocks.prepared(best.slot));
     TriangleHit { triangle: blocks.triangle(best.slot), hit }
 }
 
 /// The values of one hit.
-fn values<M: ExactMethod>(ray: &Ray<f32>, prepared: &Of<M::Prepared, f32>) -> Hit<f32> {
+fn values<M: ExactMethod, P: Real>(ray: &Ray<P>, prepared: &Of<M::Prepared, P>) -> Hit<P> {
     let rays = ray.map(|&x| [x]);
     let Ray { o, d, tmin, tmax } = &rays;
     let rays = Ray { o: o.each_ref(), d: d.each_ref(), tmin, tmax };

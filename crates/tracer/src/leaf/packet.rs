@@ -10,7 +10,8 @@ use super::blocks::Blocks;
 use super::pairs::test;
 use super::query::LeafQuery;
 use crate::hit::TriangleHit;
-use crate::rays::batch::{RAYS, RayBatch};
+use crate::precision::Real;
+use crate::rays::batch::{Gather, RAYS};
 use crate::vectors::WIDTH;
 
 /// So many rays at least: a block of eight triangles has five on average.
@@ -30,14 +31,14 @@ struct LaneHits<L> {
 /// so far, and the rays that are left, too few to be worth it. All of them are for a method that turns space,
 /// as each ray has its own axes. `take` takes a hit where it is better than the best.
 #[inline(always)]
-pub(crate) fn test_leaf<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>>(
+pub(crate) fn test_leaf<M: Method, P: Real, L: Lanes<Elem = P>, Q: LeafQuery<M, P>>(
     token: L::Token,
-    blocks: &Blocks<M>,
+    blocks: &Blocks<M, P>,
     leaf: &Range<usize>,
-    rays: &mut RayBatch,
+    rays: &mut impl Gather<P>,
     best: &mut [Q::Best; RAYS],
     mut which: u64,
-    take: impl Fn(&mut Q::Best, TriangleHit),
+    take: impl Fn(&mut Q::Best, TriangleHit<P>),
 ) -> (bool, u64) {
     if const { M::TURNS } {
         return (false, which);
@@ -49,8 +50,8 @@ pub(crate) fn test_leaf<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>>(
         for at in leaf.clone() {
             let ray = M::prepare_ray(&ray, blocks.kind(at));
             let LaneHits { met: mut bits, hit, lane: of } =
-                test_block::<M, L, Q>(token, blocks, at, &ray, interval);
-            let mut lanes = [[0.0; WIDTH]; 4];
+                test_block::<M, P, L, Q>(token, blocks, at, &ray, interval);
+            let mut lanes = [[P::ZERO; WIDTH]; 4];
             hit.t.store(&mut lanes[0]);
             hit.beta.store(&mut lanes[1]);
             hit.gamma.store(&mut lanes[2]);
@@ -61,9 +62,7 @@ pub(crate) fn test_leaf<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>>(
                 bits &= bits - 1;
                 let index = usize::from(indices[lane]) % RAYS;
                 let [t, beta, gamma] = [lanes[0][lane], lanes[1][lane], lanes[2][lane]];
-                #[allow(clippy::cast_possible_truncation, reason = "a whole number below eight")]
-                #[allow(clippy::cast_sign_loss, reason = "it has no sign")]
-                let of = lanes[3][lane] as i32 as usize % WIDTH;
+                let of = lanes[3][lane].index() % WIDTH;
                 let triangle = blocks.blocks[at].triangles[of];
                 let (tmax, best) = (rays.tmax(index), &mut best[index]);
                 take(best, TriangleHit { triangle, hit: Hit { t, beta, gamma } });
@@ -76,16 +75,16 @@ pub(crate) fn test_leaf<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>>(
 
 /// Tests rays against the triangles of a block.
 #[inline(always)]
-fn test_block<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>>(
+fn test_block<M: Method, P: Real, L: Lanes<Elem = P>, Q: LeafQuery<M, P>>(
     token: L::Token,
-    blocks: &Blocks<M>,
+    blocks: &Blocks<M, P>,
     at: usize,
     ray: &M::PreparedRay<L>,
     interval: Interval<L>,
 ) -> LaneHits<L> {
     let block = &blocks.blocks[at];
-    let zero = L::splat(token, 0.0);
-    let infinity = zero.constant(f32::INFINITY);
+    let zero = L::splat(token, P::ZERO);
+    let infinity = zero.constant(P::INFINITY);
     let mut met = 0;
     let mut nearest = Hit { t: infinity, beta: zero, gamma: zero };
     let mut of = zero;
@@ -94,7 +93,7 @@ fn test_block<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>>(
         let triangle = M::Prepared::map(
             &block.prepared,
             #[inline(always)]
-            |row: &[f32; WIDTH]| L::splat(token, row[lane]),
+            |row: &[P; WIDTH]| L::splat(token, row[lane]),
         );
         test::<M, L, Q>(
             ray,
@@ -111,7 +110,7 @@ fn test_block<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>>(
                     nearest.t = L::select(is_nearer, hit.t, nearest.t);
                     nearest.beta = L::select(is_nearer, hit.beta, nearest.beta);
                     nearest.gamma = L::select(is_nearer, hit.gamma, nearest.gamma);
-                    of = L::select(is_nearer, L::splat(token, lane as f32), of);
+                    of = L::select(is_nearer, L::splat(token, P::from_index(lane)), of);
                 }
             },
         );

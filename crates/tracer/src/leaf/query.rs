@@ -8,12 +8,12 @@ use trisect_method::{Culling, Interval, Method, Of};
 use super::blocks::{Block, Blocks};
 use super::report::Reports;
 use crate::hit::TriangleHit;
+use crate::precision::Real;
 use crate::query::{Boxes, Faces, Query};
-use crate::rays::batch::{RAYS, RayBatch};
-use crate::rays::slabs::{ROUNDINGS, UNDERFLOW};
+use crate::rays::batch::{Gather, RAYS, Rays};
 
 /// A query, as the leaves of a method answer it.
-pub(crate) trait LeafQuery<M: Method>: Query {
+pub(crate) trait LeafQuery<M: Method, P: Real = f32>: Query {
     /// What is known of the hits of one ray on its way.
     type Best: Copy;
     /// Room for what is computed when so many rays have left the tree.
@@ -30,16 +30,16 @@ pub(crate) trait LeafQuery<M: Method>: Query {
     fn is_hit(best: &Self::Best) -> bool;
 
     /// Where a ray's interval ends after its best hit; not later than `tmax`.
-    fn end(best: &Self::Best, tmax: f32) -> f32;
+    fn end(best: &Self::Best, tmax: P) -> P;
 
     /// Tests a ray against as many triangles of a block as there are lanes, from `lane` on, and takes what is
     /// better than the best. The lanes that are left to be [settled](LeafQuery::settle), in bits.
-    fn test<L: Lanes<Elem = f32>>(
+    fn test<L: Lanes<Elem = P>>(
         self,
         ray: &M::PreparedRay<L>,
         triangles: &Of<M::Prepared, L>,
         interval: Interval<L>,
-        block: InBlock<'_, M>,
+        block: InBlock<'_, M, P>,
         best: &mut Self::Best,
     ) -> u64;
 
@@ -47,8 +47,8 @@ pub(crate) trait LeafQuery<M: Method>: Query {
     #[inline(always)]
     fn settle<const N: usize>(
         self,
-        _blocks: &Blocks<M>,
-        _rays: &RayBatch<N>,
+        _blocks: &Blocks<M, P>,
+        _rays: &impl Rays<P, N>,
         _index: usize,
         _left: Left,
         _best: &mut Self::Best,
@@ -59,11 +59,11 @@ pub(crate) trait LeafQuery<M: Method>: Query {
     /// with both faces seen. Whether any of them has hit anything so far, and the rays that are left to be tested
     /// one by one.
     #[inline(always)]
-    fn test_packet<L: Lanes<Elem = f32>>(
+    fn test_packet<L: Lanes<Elem = P>>(
         _token: L::Token,
-        _blocks: &Blocks<M>,
+        _blocks: &Blocks<M, P>,
         _leaf: &Range<usize>,
-        _rays: &mut RayBatch,
+        _rays: &mut impl Gather<P>,
         _best: &mut [Self::Best; RAYS],
         which: u64,
     ) -> (bool, u64) {
@@ -72,15 +72,15 @@ pub(crate) trait LeafQuery<M: Method>: Query {
 
     /// What rays have found that have left the tree.
     fn finish<'a, const N: usize>(
-        blocks: &Blocks<M>,
-        rays: &RayBatch<N>,
-        hits: &'a mut HitsOf<M, Self, N>,
+        blocks: &Blocks<M, P>,
+        rays: &impl Rays<P, N>,
+        hits: &'a mut HitsOf<M, Self, P, N>,
     ) -> &'a [Self::Found; N];
 }
 
 /// Which triangles of which block.
-pub(crate) struct InBlock<'a, M: Method> {
-    pub(crate) block: &'a Block<M>,
+pub(crate) struct InBlock<'a, M: Method, P: Real> {
+    pub(crate) block: &'a Block<M, P>,
     /// The index of the block.
     pub(crate) at: usize,
     /// The first lane.
@@ -101,41 +101,43 @@ pub(crate) struct Hits<B, R, const N: usize> {
 }
 
 /// What is known of the hits of some rays that ask a query.
-pub(crate) type HitsOf<M, Q, const N: usize = RAYS> =
-    Hits<<Q as LeafQuery<M>>::Best, <Q as LeafQuery<M>>::Room<N>, N>;
+pub(crate) type HitsOf<M, Q, P = f32, const N: usize = RAYS> =
+    Hits<<Q as LeafQuery<M, P>>::Best, <Q as LeafQuery<M, P>>::Room<N>, N>;
 
 impl<B: Copy, R, const N: usize> Hits<B, R, N> {
     /// Nothing so far.
     #[inline(always)]
-    pub(crate) fn new<M: Method, Q: LeafQuery<M, Best = B, Room<N> = R>>() -> Self {
+    pub(crate) fn new<M: Method, P: Real, Q: LeafQuery<M, P, Best = B, Room<N> = R>>() -> Self {
         Self { best: [Q::NOTHING; N], room: Q::room::<N>() }
     }
 
     /// For other rays: nothing so far.
     #[inline(always)]
-    pub(crate) fn clear<M: Method, Q: LeafQuery<M, Best = B>>(&mut self) {
+    pub(crate) fn clear<M: Method, P: Real, Q: LeafQuery<M, P, Best = B>>(&mut self) {
         self.best = [Q::NOTHING; N];
     }
 }
 
 /// Where an interval ends after a hit at `t`; not later than `tmax`.
 #[inline(always)]
-pub(crate) fn end_after<B: Boxes>(t: f32, tmax: f32) -> f32 {
-    if B::ROBUST {
+pub(crate) fn end_after<B: Boxes, P: Real>(t: P, tmax: P) -> P {
+    if B::LATE {
         // What is nearer may have the same rounded `t`, and the quotient may round to a tie that the
         // numerators do not show: a triangle of a lower id must not be lost to that.
-        Lanes::min(t + (t.abs() * ROUNDINGS + UNDERFLOW), tmax)
+        Lanes::min(t + (t.abs() * P::ROUNDINGS + P::UNDERFLOW), tmax)
     } else {
         t
     }
 }
 
 /// Which leaf queries a method has: those that round, or those that are exact.
-pub(crate) trait Queries<M: Method>: Reports<M> + Send + Sync + 'static {
+pub(crate) trait Queries<M: Method, P: Real = f32>:
+    Reports<M, P> + Send + Sync + 'static
+{
     /// Whether a loop over single rays reads the numbers of a ray [side by side](RayBatch::line).
     const LINES: bool;
     /// The nearest hit.
-    type Closest<B: Boxes, F: Faces>: LeafQuery<M, Found = TriangleHit, Output = Option<TriangleHit>>;
+    type Closest<B: Boxes, F: Faces>: LeafQuery<M, P, Found = TriangleHit<P>, Output = Option<TriangleHit<P>>>;
 
     /// The nearest hit of a face that is seen.
     fn closest<B: Boxes, F: Faces>(faces: F) -> Self::Closest<B, F>;

@@ -15,11 +15,12 @@ use super::pairs::test;
 use super::single::Rounded;
 use crate::hit::TriangleHit;
 use crate::lanes::Job;
+use crate::precision::Real;
 use crate::query::{Both, Closest, Robust};
 use crate::vectors::WIDTH;
 
 /// What a ray does to the triangles of a block.
-pub(crate) struct BlockHits<'a> {
+pub(crate) struct BlockHits<'a, P = f32> {
     /// The index of the block.
     pub(crate) at: usize,
     /// The ids of its triangles.
@@ -31,69 +32,69 @@ pub(crate) struct BlockHits<'a> {
     /// Those that are left to be [decided](ExactLeaves::is_hit), in bits; none of a method that rounds.
     pub(crate) open: u64,
     /// The values of hits, of a method that rounds.
-    values: Hit<[f32; WIDTH]>,
+    values: Hit<[P; WIDTH]>,
 }
 
-impl BlockHits<'_> {
+impl<P: Copy> BlockHits<'_, P> {
     /// The values of a hit, of a method that rounds.
-    pub(crate) fn hit(&self, lane: usize) -> Hit<f32> {
+    pub(crate) fn hit(&self, lane: usize) -> Hit<P> {
         let Hit { t, beta, gamma } = &self.values;
         Hit { t: t[lane], beta: beta[lane], gamma: gamma[lane] }
     }
 }
 
 /// Says what a ray does to the triangles of a leaf.
-pub(crate) trait LeafReporter {
+pub(crate) trait LeafReporter<P> {
     /// Calls `take` for each block in which anything may be hit.
-    fn report(&self, ray: &Ray<f32>, leaf: Range<usize>, take: &mut dyn FnMut(&BlockHits<'_>));
+    fn report(&self, ray: &Ray<P>, leaf: Range<usize>, take: &mut dyn FnMut(&BlockHits<'_, P>));
 }
 
 /// What is done with a reporter.
-pub(crate) type WithReporter<'a> = &'a mut dyn FnMut(&dyn LeafReporter);
+pub(crate) type WithReporter<'a, P> = &'a mut dyn FnMut(&dyn LeafReporter<P>);
 
 /// What the leaves of an exact method know of triangles, which are named by their [slots](super::blocks::slot).
 /// Rays have intervals as leaves take them.
-pub(crate) trait ExactLeaves {
+pub(crate) trait ExactLeaves<P> {
     /// Whether a ray hits a triangle, and where `owned` [owns](ExactMethod::owns) it.
-    fn is_hit(&self, ray: &Ray<f32>, culling: Culling, owned: bool, slot: u32) -> bool;
+    fn is_hit(&self, ray: &Ray<P>, culling: Culling, owned: bool, slot: u32) -> bool;
 
     /// Computes the values of hits, whose slots are in the places of ids.
-    fn values(&self, ray: &Ray<f32>, hits: &mut [TriangleHit]);
+    fn values(&self, ray: &Ray<P>, hits: &mut [TriangleHit<P>]);
 
     /// Which of two triangles that a ray hits comes first along it.
-    fn order(&self, ray: &Ray<f32>, slots: [u32; 2]) -> Ordering;
+    fn order(&self, ray: &Ray<P>, slots: [u32; 2]) -> Ordering;
 
     /// Whether a point is on a triangle.
-    fn is_on(&self, point: Vec3<f32>, slot: u32) -> bool;
+    fn is_on(&self, point: Vec3<P>, slot: u32) -> bool;
 }
 
 /// How the leaves of a method report.
-pub(crate) trait Reports<M: Method> {
+pub(crate) trait Reports<M: Method, P: Real> {
     /// Tests a ray against as many triangles of a block as there are lanes, from `lane` on.
-    fn test<L: Lanes<Elem = f32>>(
+    fn test<L: Lanes<Elem = P>>(
         ray: &M::PreparedRay<L>,
         triangles: &Of<M::Prepared, L>,
         interval: Interval<L>,
         culling: Culling,
         lane: usize,
-        into: &mut BlockHits<'_>,
+        into: &mut BlockHits<'_, P>,
     );
 
     /// What is known exactly.
-    fn exact(blocks: &Blocks<M>) -> Option<&dyn ExactLeaves>;
+    fn exact(blocks: &Blocks<M, P>) -> Option<&dyn ExactLeaves<P>>;
 }
 
-impl<M: Method> Reports<M> for Rounded {
+impl<M: Method, P: Real> Reports<M, P> for Rounded {
     #[inline(always)]
-    fn test<L: Lanes<Elem = f32>>(
+    fn test<L: Lanes<Elem = P>>(
         ray: &M::PreparedRay<L>,
         triangles: &Of<M::Prepared, L>,
         interval: Interval<L>,
         culling: Culling,
         lane: usize,
-        into: &mut BlockHits<'_>,
+        into: &mut BlockHits<'_, P>,
     ) {
-        test::<M, L, Closest<Robust, Both>>(
+        test::<M, L, Closest<Robust, Both, P>>(
             ray,
             triangles,
             interval,
@@ -108,20 +109,20 @@ impl<M: Method> Reports<M> for Rounded {
         );
     }
 
-    fn exact(_: &Blocks<M>) -> Option<&dyn ExactLeaves> {
+    fn exact(_: &Blocks<M, P>) -> Option<&dyn ExactLeaves<P>> {
         None
     }
 }
 
-impl<M: ExactMethod> Reports<M> for Exactly {
+impl<M: ExactMethod, P: Real> Reports<M, P> for Exactly {
     #[inline(always)]
-    fn test<L: Lanes<Elem = f32>>(
+    fn test<L: Lanes<Elem = P>>(
         ray: &M::PreparedRay<L>,
         triangles: &Of<M::Prepared, L>,
         interval: Interval<L>,
         culling: Culling,
         lane: usize,
-        into: &mut BlockHits<'_>,
+        into: &mut BlockHits<'_, P>,
     ) {
         M::screen(
             ray,
@@ -136,25 +137,25 @@ impl<M: ExactMethod> Reports<M> for Exactly {
         );
     }
 
-    fn exact(blocks: &Blocks<M>) -> Option<&dyn ExactLeaves> {
+    fn exact(blocks: &Blocks<M, P>) -> Option<&dyn ExactLeaves<P>> {
         Some(blocks)
     }
 }
 
-impl<M: ExactMethod> ExactLeaves for Blocks<M> {
-    fn is_hit(&self, ray: &Ray<f32>, culling: Culling, owned: bool, slot: u32) -> bool {
+impl<M: ExactMethod, P: Real> ExactLeaves<P> for Blocks<M, P> {
+    fn is_hit(&self, ray: &Ray<P>, culling: Culling, owned: bool, slot: u32) -> bool {
         let prepared = self.prepared(slot);
-        exact::is_hit::<M>(ray, culling, &prepared) && (!owned || M::owns(ray, &prepared))
+        exact::is_hit::<M, P>(ray, culling, &prepared) && (!owned || M::owns(ray, &prepared))
     }
 
-    fn values(&self, ray: &Ray<f32>, hits: &mut [TriangleHit]) {
+    fn values(&self, ray: &Ray<P>, hits: &mut [TriangleHit<P>]) {
         let rays = ray.map(|&x| [x; WIDTH]);
         let Ray { o, d, tmin, tmax } = &rays;
         let rays = Ray { o: o.each_ref(), d: d.each_ref(), tmin, tmax };
         for hits in hits.chunks_mut(WIDTH) {
             // The first one fills the rest.
             let slot = |lane: usize| hits.get(lane).unwrap_or(&hits[0]).triangle;
-            let of_lanes: [Triangle<f32>; WIDTH] =
+            let of_lanes: [Triangle<P>; WIDTH] =
                 std::array::from_fn(|lane| M::corners(&self.prepared(slot(lane))));
             let row = |corner: usize| {
                 let row = |axis: usize| {
@@ -171,42 +172,48 @@ impl<M: ExactMethod> ExactLeaves for Blocks<M> {
         }
     }
 
-    fn order(&self, ray: &Ray<f32>, slots: [u32; 2]) -> Ordering {
+    fn order(&self, ray: &Ray<P>, slots: [u32; 2]) -> Ordering {
         let [first, second] = slots.map(|slot| self.prepared(slot));
         M::order(ray, &first, &second)
     }
 
-    fn is_on(&self, point: Vec3<f32>, slot: u32) -> bool {
+    fn is_on(&self, point: Vec3<P>, slot: u32) -> bool {
         M::is_on(point, &self.prepared(slot))
     }
 }
 
 /// Makes a reporter on lanes of choice.
-pub(crate) struct Reporting<'a, M: Method, K> {
-    pub(crate) blocks: &'a Blocks<M>,
+pub(crate) struct Reporting<'a, M: Method, K, P: Real> {
+    pub(crate) blocks: &'a Blocks<M, P>,
     pub(crate) culling: Culling,
-    pub(crate) with: WithReporter<'a>,
+    pub(crate) with: WithReporter<'a, P>,
     pub(crate) reports: PhantomData<K>,
 }
 
-impl<M: Method, K: Reports<M>> Job for Reporting<'_, M, K> {
+impl<M: Method, K: Reports<M, P>, P: Real> Job for Reporting<'_, M, K, P> {
     type Output = ();
 
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
         let Self { blocks, culling, with, .. } = self;
-        with(&Reporter::<M, L, K> { blocks, culling, token, reports: PhantomData });
+        with(&Reporter::<M, P::Lanes<L>, K> { blocks, culling, token, reports: PhantomData });
     }
 }
 
-struct Reporter<'a, M: Method, L: Lanes, K> {
-    blocks: &'a Blocks<M>,
+struct Reporter<'a, M: Method, L: Lanes<Elem: Real>, K> {
+    blocks: &'a Blocks<M, L::Elem>,
     culling: Culling,
     token: L::Token,
     reports: PhantomData<K>,
 }
 
-impl<M: Method, L: Lanes<Elem = f32>, K: Reports<M>> LeafReporter for Reporter<'_, M, L, K> {
-    fn report(&self, ray: &Ray<f32>, leaf: Range<usize>, take: &mut dyn FnMut(&BlockHits<'_>)) {
+impl<M, L, K, P> LeafReporter<P> for Reporter<'_, M, L, K>
+where
+    M: Method,
+    L: Lanes<Elem = P>,
+    K: Reports<M, P>,
+    P: Real,
+{
+    fn report(&self, ray: &Ray<P>, leaf: Range<usize>, take: &mut dyn FnMut(&BlockHits<'_, P>)) {
         self.token.run(
             #[inline(always)]
             || {
@@ -221,13 +228,13 @@ impl<M: Method, L: Lanes<Elem = f32>, K: Reports<M>> LeafReporter for Reporter<'
     }
 }
 
-impl<M: Method, L: Lanes<Elem = f32>, K: Reports<M>> Reporter<'_, M, L, K> {
+impl<M: Method, L: Lanes<Elem = P>, K: Reports<M, P>, P: Real> Reporter<'_, M, L, K> {
     #[inline(always)]
     fn report_along<const AXIS: usize>(
         &self,
-        ray: &Ray<f32>,
+        ray: &Ray<P>,
         leaf: Range<usize>,
-        take: &mut dyn FnMut(&BlockHits<'_>),
+        take: &mut dyn FnMut(&BlockHits<'_, P>),
     ) {
         let Self { blocks, culling, token, .. } = *self;
         let interval =
@@ -236,7 +243,7 @@ impl<M: Method, L: Lanes<Elem = f32>, K: Reports<M>> Reporter<'_, M, L, K> {
         for at in leaf {
             let ray = M::prepare_ray(&ray, blocks.kind(at));
             let block = &blocks.blocks[at];
-            let zeros = [0.0; WIDTH];
+            let zeros = [P::ZERO; WIDTH];
             let mut hits = BlockHits {
                 at,
                 triangles: &block.triangles,

@@ -10,40 +10,47 @@ use super::packet;
 use super::pairs::test;
 use super::query::{Hits, InBlock, LeafQuery, Left, Queries, end_after};
 use crate::hit::TriangleHit;
+use crate::precision::Real;
 use crate::query::{Any, Boxes, Closest, Faces};
-use crate::rays::batch::{RAYS, RayBatch};
+use crate::rays::batch::{Gather, RAYS, Rays};
 use crate::vectors::{WIDTH, least};
 
 /// A ray at the leaves of a method. Handed on by value: a call that might see the ray in memory would have it stored
 /// for every leaf.
-pub(crate) struct AtLeaf<'a, M: Method, Q> {
-    pub(crate) blocks: &'a Blocks<M>,
+pub(crate) struct AtLeaf<'a, M: Method, Q, P: Real = f32> {
+    pub(crate) blocks: &'a Blocks<M, P>,
     pub(crate) query: Q,
-    pub(crate) ray: Ray<f32>,
+    pub(crate) ray: Ray<P>,
 }
 
-impl<M: Method, Q: Copy> Clone for AtLeaf<'_, M, Q> {
+impl<M: Method, Q: Copy, P: Real> Clone for AtLeaf<'_, M, Q, P> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<M: Method, Q: Copy> Copy for AtLeaf<'_, M, Q> {}
+impl<M: Method, Q: Copy, P: Real> Copy for AtLeaf<'_, M, Q, P> {}
 
 /// Tests one of some rays against the triangles of a leaf; whether it has hit anything so far.
 #[inline(always)]
-pub(crate) fn test_ray<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>, const N: usize>(
+pub(crate) fn test_ray<M, P, L, Q, const N: usize>(
     token: L::Token,
-    at_leaf: AtLeaf<'_, M, Q>,
+    at_leaf: AtLeaf<'_, M, Q, P>,
     leaf: Range<usize>,
-    (rays, index): (&RayBatch<N>, usize),
+    (rays, index): (&impl Rays<P, N>, usize),
     best: &mut Q::Best,
-) -> bool {
+) -> bool
+where
+    M: Method,
+    P: Real,
+    L: Lanes<Elem = P>,
+    Q: LeafQuery<M, P>,
+{
     let axis = if const { M::TURNS } { at_leaf.ray.d.largest_axis() } else { 2 };
     let left = match axis {
-        0 if const { M::TURNS } => test_leaf::<M, L, Q, 0>(token, leaf, at_leaf, best),
-        1 if const { M::TURNS } => test_leaf::<M, L, Q, 1>(token, leaf, at_leaf, best),
-        _ => test_leaf::<M, L, Q, 2>(token, leaf, at_leaf, best),
+        0 if const { M::TURNS } => test_leaf::<M, P, L, Q, 0>(token, leaf, at_leaf, best),
+        1 if const { M::TURNS } => test_leaf::<M, P, L, Q, 1>(token, leaf, at_leaf, best),
+        _ => test_leaf::<M, P, L, Q, 2>(token, leaf, at_leaf, best),
     };
     // Not in the loop over blocks: all that is computed before it would be kept in memory, and loaded in
     // every round.
@@ -54,12 +61,18 @@ pub(crate) fn test_ray<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>, const N
 }
 
 #[inline(always)]
-fn test_leaf<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>, const AXIS: usize>(
+fn test_leaf<M, P, L, Q, const AXIS: usize>(
     token: L::Token,
     leaf: Range<usize>,
-    at_leaf: AtLeaf<'_, M, Q>,
+    at_leaf: AtLeaf<'_, M, Q, P>,
     best: &mut Q::Best,
-) -> Left {
+) -> Left
+where
+    M: Method,
+    P: Real,
+    L: Lanes<Elem = P>,
+    Q: LeafQuery<M, P>,
+{
     let AtLeaf { blocks, ray, .. } = at_leaf;
     let interval = Interval { tmin: L::splat(token, ray.tmin), tmax: L::splat(token, ray.tmax) };
     // Computing this for each leaf costs less than keeping it for every ray in flight, even where it divides.
@@ -67,7 +80,7 @@ fn test_leaf<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>, const AXIS: usize
     // Not zipped: that may stay a call.
     for at in leaf.clone() {
         let ray = M::prepare_ray(&ray, blocks.kind(at));
-        let lanes = test_block::<M, L, Q, AXIS>(token, &ray, at, interval, at_leaf, best);
+        let lanes = test_block::<M, P, L, Q, AXIS>(token, &ray, at, interval, at_leaf, best);
         if lanes != 0 {
             return Left { blocks: at..leaf.end, lanes };
         }
@@ -77,14 +90,20 @@ fn test_leaf<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>, const AXIS: usize
 
 /// Tests the triangles of a block. The lanes that are left to be settled, in bits.
 #[inline(always)]
-fn test_block<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>, const AXIS: usize>(
+fn test_block<M, P, L, Q, const AXIS: usize>(
     token: L::Token,
     ray: &M::PreparedRay<L>,
     at: usize,
     interval: Interval<L>,
-    AtLeaf { blocks, query, .. }: AtLeaf<'_, M, Q>,
+    AtLeaf { blocks, query, .. }: AtLeaf<'_, M, Q, P>,
     best: &mut Q::Best,
-) -> u64 {
+) -> u64
+where
+    M: Method,
+    P: Real,
+    L: Lanes<Elem = P>,
+    Q: LeafQuery<M, P>,
+{
     let block = &blocks.blocks[at];
     let mut lane = 0;
     while lane < WIDTH {
@@ -103,20 +122,20 @@ fn test_block<M: Method, L: Lanes<Elem = f32>, Q: LeafQuery<M>, const AXIS: usiz
 /// The queries of a method that rounds.
 pub(crate) struct Rounded;
 
-impl<M: Method> Queries<M> for Rounded {
+impl<M: Method, P: Real> Queries<M, P> for Rounded {
     const LINES: bool = false;
-    type Closest<B: Boxes, F: Faces> = Closest<B, F>;
+    type Closest<B: Boxes, F: Faces> = Closest<B, F, P>;
 
     #[inline(always)]
-    fn closest<B: Boxes, F: Faces>(faces: F) -> Closest<B, F> {
+    fn closest<B: Boxes, F: Faces>(faces: F) -> Closest<B, F, P> {
         Closest::new(faces)
     }
 }
 
-impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Closest<B, F> {
-    type Best = TriangleHit;
+impl<M: Method, B: Boxes, F: Faces, P: Real> LeafQuery<M, P> for Closest<B, F, P> {
+    type Best = TriangleHit<P>;
     type Room<const N: usize> = ();
-    const NOTHING: TriangleHit = TriangleHit::NONE;
+    const NOTHING: TriangleHit<P> = TriangleHit::NONE;
 
     fn room<const N: usize>() {}
 
@@ -126,23 +145,23 @@ impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Closest<B, F> {
     }
 
     #[inline(always)]
-    fn is_hit(best: &TriangleHit) -> bool {
+    fn is_hit(best: &TriangleHit<P>) -> bool {
         best.is_hit()
     }
 
     #[inline(always)]
-    fn end(best: &TriangleHit, tmax: f32) -> f32 {
-        end_after::<B>(best.hit.t, tmax)
+    fn end(best: &TriangleHit<P>, tmax: P) -> P {
+        end_after::<B, P>(best.hit.t, tmax)
     }
 
     #[inline(always)]
-    fn test<L: Lanes<Elem = f32>>(
+    fn test<L: Lanes<Elem = P>>(
         self,
         ray: &M::PreparedRay<L>,
         triangles: &Of<M::Prepared, L>,
         interval: Interval<L>,
-        InBlock { block, lane, .. }: InBlock<'_, M>,
-        best: &mut TriangleHit,
+        InBlock { block, lane, .. }: InBlock<'_, M, P>,
+        best: &mut TriangleHit<P>,
     ) -> u64 {
         test::<M, L, Self>(
             ray,
@@ -162,15 +181,15 @@ impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Closest<B, F> {
     }
 
     #[inline(always)]
-    fn test_packet<L: Lanes<Elem = f32>>(
+    fn test_packet<L: Lanes<Elem = P>>(
         token: L::Token,
-        blocks: &Blocks<M>,
+        blocks: &Blocks<M, P>,
         leaf: &Range<usize>,
-        rays: &mut RayBatch,
-        best: &mut [TriangleHit; RAYS],
+        rays: &mut impl Gather<P>,
+        best: &mut [TriangleHit<P>; RAYS],
         which: u64,
     ) -> (bool, u64) {
-        packet::test_leaf::<M, L, Self>(
+        packet::test_leaf::<M, P, L, Self>(
             token,
             blocks,
             leaf,
@@ -183,15 +202,15 @@ impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Closest<B, F> {
 
     #[inline(always)]
     fn finish<'a, const N: usize>(
-        _: &Blocks<M>,
-        _: &RayBatch<N>,
-        hits: &'a mut Hits<TriangleHit, (), N>,
-    ) -> &'a [TriangleHit; N] {
+        _: &Blocks<M, P>,
+        _: &impl Rays<P, N>,
+        hits: &'a mut Hits<TriangleHit<P>, (), N>,
+    ) -> &'a [TriangleHit<P>; N] {
         &hits.best
     }
 }
 
-impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Any<B, F> {
+impl<M: Method, B: Boxes, F: Faces, P: Real> LeafQuery<M, P> for Any<B, F> {
     type Best = bool;
     type Room<const N: usize> = ();
     const NOTHING: bool = false;
@@ -210,17 +229,17 @@ impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Any<B, F> {
 
     /// Nothing more is looked for.
     #[inline(always)]
-    fn end(_: &bool, _: f32) -> f32 {
-        f32::NEG_INFINITY
+    fn end(_: &bool, _: P) -> P {
+        P::NEG_INFINITY
     }
 
     #[inline(always)]
-    fn test<L: Lanes<Elem = f32>>(
+    fn test<L: Lanes<Elem = P>>(
         self,
         ray: &M::PreparedRay<L>,
         triangles: &Of<M::Prepared, L>,
         interval: Interval<L>,
-        _: InBlock<'_, M>,
+        _: InBlock<'_, M, P>,
         best: &mut bool,
     ) -> u64 {
         test::<M, L, Self>(
@@ -235,15 +254,15 @@ impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Any<B, F> {
     }
 
     #[inline(always)]
-    fn test_packet<L: Lanes<Elem = f32>>(
+    fn test_packet<L: Lanes<Elem = P>>(
         token: L::Token,
-        blocks: &Blocks<M>,
+        blocks: &Blocks<M, P>,
         leaf: &Range<usize>,
-        rays: &mut RayBatch,
+        rays: &mut impl Gather<P>,
         best: &mut [bool; RAYS],
         which: u64,
     ) -> (bool, u64) {
-        packet::test_leaf::<M, L, Self>(
+        packet::test_leaf::<M, P, L, Self>(
             token,
             blocks,
             leaf,
@@ -257,8 +276,8 @@ impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Any<B, F> {
 
     #[inline(always)]
     fn finish<'a, const N: usize>(
-        _: &Blocks<M>,
-        _: &RayBatch<N>,
+        _: &Blocks<M, P>,
+        _: &impl Rays<P, N>,
         hits: &'a mut Hits<bool, (), N>,
     ) -> &'a [bool; N] {
         &hits.best
@@ -268,11 +287,11 @@ impl<M: Method, B: Boxes, F: Faces> LeafQuery<M> for Any<B, F> {
 /// The nearest of the lanes that hit, of equally near ones the first, which has the lowest id; infinitely far where
 /// none hits.
 #[inline(always)]
-fn nearest<L: Lanes<Elem = f32>>(met: L::Mask, hit: Hit<L>, ids: &[u32]) -> TriangleHit {
-    let mut lanes = [[0.0; WIDTH]; 2];
+fn nearest<P: Real, L: Lanes<Elem = P>>(met: L::Mask, hit: Hit<L>, ids: &[u32]) -> TriangleHit<P> {
+    let mut lanes = [[P::ZERO; WIDTH]; 2];
     hit.beta.store(&mut lanes[0]);
     hit.gamma.store(&mut lanes[1]);
-    let t = L::select(met, hit.t, hit.t.constant(f32::INFINITY));
+    let t = L::select(met, hit.t, hit.t.constant(P::INFINITY));
     let least = least(t);
     let lane = L::bits(t.le(t.constant(least))).trailing_zeros() as usize % WIDTH;
     let hit = Hit { t: least, beta: lanes[0][lane], gamma: lanes[1][lane] };

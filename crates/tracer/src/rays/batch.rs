@@ -24,11 +24,33 @@ const NO_RAY: Ray<f32> =
 /// One number of each ray.
 pub(crate) type Row<const N: usize = RAYS> = [f32; N];
 
+/// So many rays of a precision, as leaves ask for them.
+pub(crate) trait Rays<P, const N: usize> {
+    /// One of them.
+    fn one(&self, index: usize) -> Ray<P>;
+
+    /// All of them, coordinate by coordinate.
+    fn rows(&self) -> Ray<&[P; N]>;
+}
+
+/// Rays of which as many go together as there are lanes.
+pub(crate) trait Gather<P> {
+    /// Takes as many of some rays, in bits, as there are lanes: the rays, one per lane, and their indices. Lanes that
+    /// are left over have a ray that finds nothing. The numbers of the rays must be stored side by side.
+    fn gather<L: Lanes<Elem = P>>(&self, token: L::Token, rays: &mut u64) -> (Ray<L>, [u8; WIDTH]);
+
+    /// Where a ray's interval ends.
+    fn tmax(&self, index: usize) -> P;
+
+    /// Ends a ray's interval at `tmax`, of one that may be [gathered](Gather::gather).
+    fn shorten(&mut self, index: usize, tmax: P);
+}
+
 /// Rays, and what their tests of boxes need: a batch of them, or one.
 #[repr(align(64))]
 pub(crate) struct RayBatch<const N: usize = RAYS> {
     /// The numbers of each ray side by side, where they are [kept so](RayBatch::fill). The interval is the
-    /// given one, but its end moves once it is [shortened](RayBatch::shorten).
+    /// given one, but its end moves once it is [shortened](Gather::shorten).
     lines: [[f32; NUMBERS]; N],
     o: [Row<N>; 3],
     d: [Row<N>; 3],
@@ -61,7 +83,7 @@ impl RayBatch {
     /// Takes up to [`RAYS`] rays, and says in bits which of them have anything to find: not those that are not
     /// finite, or miss the `whole`, a box around all others, as every second ray of a camera does. With `lines`
     /// the numbers of a ray are stored side by side as well, for [`line`](RayBatch::line) and
-    /// [`gather`](RayBatch::gather).
+    /// [`gather`](Gather::gather).
     #[inline(always)]
     pub(crate) fn fill<'a, L: Lanes<Elem = f32>, B: Boxes>(
         &mut self,
@@ -105,47 +127,6 @@ impl RayBatch {
         self.tmin[at..].fill(1.0);
         self.tmax[at..].fill(0.0);
         some
-    }
-
-    /// Puts one ray at `index`, without what tests of boxes need.
-    pub(crate) fn set(&mut self, index: usize, ray: &Ray<f32>) {
-        let Ray { o, d, tmin, tmax } = *ray;
-        for (axis, (o, d)) in o.to_array().into_iter().zip(d.to_array()).enumerate() {
-            self.o[axis][index] = o;
-            self.d[axis][index] = d;
-        }
-        (self.tmin[index], self.tmax[index]) = (tmin, tmax);
-    }
-
-    /// Takes as many of some rays, in bits, as there are lanes: the rays, one per lane, and their indices. Lanes that
-    /// are left over have a ray that finds nothing. The numbers of the rays must be stored side by side.
-    #[inline(always)]
-    pub(crate) fn gather<L: Lanes<Elem = f32>>(
-        &self,
-        token: L::Token,
-        rays: &mut u64,
-    ) -> (Ray<L>, [u8; WIDTH]) {
-        let Ray { o, d, tmin, tmax } = NO_RAY;
-        let mut numbers = [[o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax]; WIDTH];
-        let mut indices = [0; WIDTH];
-        let mut count = 0;
-        while count < L::N && *rays != 0 {
-            let index = rays.trailing_zeros() as usize % RAYS;
-            *rays &= *rays - 1;
-            numbers[count] = self.lines[index];
-            #[allow(clippy::cast_possible_truncation, reason = "a batch has few rays")]
-            let index = index as u8;
-            indices[count] = index;
-            count += 1;
-        }
-        (by_number::<L>(token, numbers.as_flattened()), indices)
-    }
-
-    /// The same for a ray that may be [gathered](RayBatch::gather).
-    #[inline(always)]
-    pub(crate) fn shorten(&mut self, index: usize, tmax: f32) {
-        self.end(index, tmax);
-        self.lines[index % RAYS][NUMBERS - 1] = tmax;
     }
 
     /// What the tests of boxes need of as many rays as there are lanes, from index `at` on.
@@ -209,14 +190,6 @@ impl<const N: usize> RayBatch<N> {
         }
     }
 
-    /// All rays, coordinate by coordinate.
-    #[inline(always)]
-    pub(crate) fn rays(&self) -> Ray<&Row<N>> {
-        let ([ox, oy, oz], [dx, dy, dz]) = (&self.o, &self.d);
-        let (o, d) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
-        Ray { o, d, tmin: &self.tmin, tmax: &self.tmax }
-    }
-
     /// A ray whose numbers are stored side by side. Where much is computed with a ray, the compiler gathers its
     /// numbers from rows, which takes longer than reading them here; where little is, storing them is not worth
     /// its time.
@@ -269,6 +242,55 @@ impl<const N: usize> RayBatch<N> {
     pub(crate) fn interval<L: Lanes<Elem = f32>>(&self, token: L::Token, index: usize) -> (L, L) {
         let at = index % N;
         (L::splat(token, self.tmin[at]), L::splat(token, self.tmax[at]))
+    }
+}
+
+impl<const N: usize> Rays<f32, N> for RayBatch<N> {
+    #[inline(always)]
+    fn one(&self, index: usize) -> Ray<f32> {
+        self.ray(index)
+    }
+
+    #[inline(always)]
+    fn rows(&self) -> Ray<&Row<N>> {
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.o, &self.d);
+        let (o, d) = (Vec3::new(ox, oy, oz), Vec3::new(dx, dy, dz));
+        Ray { o, d, tmin: &self.tmin, tmax: &self.tmax }
+    }
+}
+
+impl Gather<f32> for RayBatch {
+    #[inline(always)]
+    fn gather<L: Lanes<Elem = f32>>(
+        &self,
+        token: L::Token,
+        rays: &mut u64,
+    ) -> (Ray<L>, [u8; WIDTH]) {
+        let Ray { o, d, tmin, tmax } = NO_RAY;
+        let mut numbers = [[o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax]; WIDTH];
+        let mut indices = [0; WIDTH];
+        let mut count = 0;
+        while count < L::N && *rays != 0 {
+            let index = rays.trailing_zeros() as usize % RAYS;
+            *rays &= *rays - 1;
+            numbers[count] = self.lines[index];
+            #[allow(clippy::cast_possible_truncation, reason = "a batch has few rays")]
+            let index = index as u8;
+            indices[count] = index;
+            count += 1;
+        }
+        (by_number::<L>(token, numbers.as_flattened()), indices)
+    }
+
+    #[inline(always)]
+    fn tmax(&self, index: usize) -> f32 {
+        self.tmax[index % RAYS]
+    }
+
+    #[inline(always)]
+    fn shorten(&mut self, index: usize, tmax: f32) {
+        self.end(index, tmax);
+        self.lines[index % RAYS][NUMBERS - 1] = tmax;
     }
 }
 

@@ -232,8 +232,9 @@ pub(crate) fn singly<'a, A: Target<'a, Q>, L: Lanes<Elem = f32>, Q: Query>(
 /// Traces one ray, and writes down what it finds, if it has anything to find. The answer is that of [`singly`], to
 /// the bit.
 #[inline(always)]
-pub(crate) fn one<'a, A: Target<'a, Q, 1, Seed = ()>, L: Lanes<Elem = f32>, Q: Query>(
+pub(crate) fn one<'a, A: Target<'a, Q, 1>, L: Lanes<Elem = f32>, Q: Query>(
     target: A,
+    seed: A::Seed,
     token: L::Token,
     query: Q,
     ray: &Ray<f32>,
@@ -254,7 +255,7 @@ pub(crate) fn one<'a, A: Target<'a, Q, 1, Seed = ()>, L: Lanes<Elem = f32>, Q: Q
     if flight.met == 0 {
         return;
     }
-    let mut work = Work { rays, hits: A::hits(()) };
+    let mut work = Work { rays, hits: A::hits(seed) };
     // Where any hit will do, one item waits for each node on the way.
     stack::declare_room!(items, if Q::ANY { tree.depth + 1 } else { stack::room(tree.depth) });
     flight.waiting = Stack::new(items);

@@ -40,8 +40,9 @@ impl<'a, A: PacketTarget<'a, Q>, Q: Query> Job for Trace<'a, A, Q> {
 }
 
 /// One ray to be traced on lanes of choice.
-pub(crate) struct TraceOne<'a, A, Q: Query> {
+pub(crate) struct TraceOne<'a, A: Target<'a, Q, 1>, Q: Query> {
     pub(crate) target: A,
+    pub(crate) seed: A::Seed,
     pub(crate) query: Q,
     pub(crate) ray: &'a Ray<f32>,
     /// Where what it finds is written, if it has anything to find. Not returned: what is handed on field by field
@@ -49,14 +50,14 @@ pub(crate) struct TraceOne<'a, A, Q: Query> {
     pub(crate) found: &'a mut Q::Output,
 }
 
-impl<'a, A: Target<'a, Q, 1, Seed = ()>, Q: Query> Job for TraceOne<'_, A, Q> {
+impl<'a, A: Target<'a, Q, 1>, Q: Query> Job for TraceOne<'a, A, Q> {
     type Output = ();
 
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
-        let Self { target, query, ray, found } = self;
+        let Self { target, seed, query, ray, found } = self;
         token.run(
             #[inline(always)]
-            move || one::<A, L, Q>(target, token, query, ray, found),
+            move || one::<A, L, Q>(target, seed, token, query, ray, found),
         );
     }
 }

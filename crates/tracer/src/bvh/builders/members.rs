@@ -1,6 +1,6 @@
 //! What is in the blocks of a tree.
 
-use trisect_core::Triangle;
+use trisect_core::{Scalar, Triangle};
 use trisect_method::{Method, UnsuitableMesh};
 
 use super::settings::Leaves;
@@ -39,7 +39,9 @@ impl Kinds {
     ///
     /// # Errors
     /// When the method cannot take the mesh.
-    pub(crate) fn new<M: Method>(triangles: &[Triangle<f32>]) -> Result<Self, UnsuitableMesh> {
+    pub(crate) fn new<M: Method, P: Scalar>(
+        triangles: &[Triangle<P>],
+    ) -> Result<Self, UnsuitableMesh> {
         let small = |kind: usize| u8::try_from(kind).expect("kinds are few");
         Ok(match M::mesh_group(triangles)? {
             Some(kind) => Self::All(small(kind)),

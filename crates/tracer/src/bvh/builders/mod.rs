@@ -25,28 +25,32 @@ pub(crate) use self::refit::refit;
 use self::settings::{Builder, Leaves};
 use self::spatial::Cuts;
 use super::bounds::Bounds;
-use super::wide::{Origin, WideTree};
+use super::frame::Frame;
+use super::wide::{CanBeHit, Origin, WideTree, can_be_hit};
 use crate::parallel::PARALLEL;
 
 /// Below so many triangles space is not split: nothing is gained in a tree of few nodes.
 const SCENE: usize = 256;
 
-/// Builds a tree over triangles of those kinds, and says what is in each block. Where tests of boxes are not
-/// `robust`, the boxes are larger instead.
+/// Builds a tree over triangles of those kinds, which are in that frame, and says what is in each block. Where tests of
+/// boxes are not `robust`, the boxes are larger instead.
 pub(crate) fn build(
     triangles: &[Triangle<f32>],
+    frame: Option<Frame>,
     builder: Builder,
     leaves: Leaves,
     kinds: &Kinds,
     is_robust: bool,
 ) -> (WideTree, Vec<Members>) {
-    let Outline { layout, bounds, unit, left_out } = outline(triangles, builder, leaves, kinds);
+    let is_in = can_be_hit(frame.as_ref());
+    let Outline { layout, bounds, unit, left_out } =
+        outline(triangles, is_in, builder, leaves, kinds);
     let Layout { nodes, blocks: members, depth, references } = layout;
     let origin = Origin { builder, triangles: triangles.len(), left_out, references };
-    let mut tree = WideTree { nodes, depth, bounds, is_robust, origin };
+    let mut tree = WideTree { nodes, depth, bounds, is_robust, frame, origin };
     if unit != 1.0 {
         // Boxes were rounded when they were scaled.
-        tree.bounds = fit_boxes(&mut tree.nodes, triangles, &members);
+        tree.bounds = fit_boxes(&mut tree.nodes, triangles, is_in, &members);
     }
     tree.widen_boxes();
     (tree, members)
@@ -64,6 +68,7 @@ struct Outline {
 
 fn outline(
     triangles: &[Triangle<f32>],
+    is_in: CanBeHit,
     builder: Builder,
     leaves: Leaves,
     kinds: &Kinds,
@@ -73,7 +78,7 @@ fn outline(
     // Room for parts of triangles: half as many as there are triangles.
     let room = |count: usize| if splits { count + count / 2 } else { count };
     let mut references = vec![[0.0; 8]; room(triangles.len())];
-    let bounds = refer(triangles, &mut references);
+    let bounds = refer(triangles, is_in, &mut references);
     let left_out = take_out(triangles.len(), &mut references);
     let count = triangles.len() - left_out.len();
     references.truncate(room(count));
@@ -100,12 +105,12 @@ fn outline(
 
 /// Writes down the boxes of all triangles, those of triangles that nothing hits being empty, and gives
 /// the box of all.
-fn refer(triangles: &[Triangle<f32>], references: &mut [Reference]) -> Corners {
+fn refer(triangles: &[Triangle<f32>], is_in: CanBeHit, references: &mut [Reference]) -> Corners {
     let of_chunk = |first: usize, triangles: &[Triangle<f32>], references: &mut [Reference]| {
         let mut bounds = Corners::EMPTY;
         for ((place, triangle), reference) in (first..).zip(triangles).zip(references) {
             let mut corners = Corners::EMPTY;
-            if triangle.can_be_hit() {
+            if is_in(triangle) {
                 corners = Corners::of_triangle(triangle);
                 bounds.add(&corners);
             }
@@ -186,7 +191,14 @@ mod tests {
             let of_threads = |threads| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
                 let layout = pool.expect("there are threads").install(|| {
-                    outline(&triangles, builder, Leaves::default(), &Kinds::All(0)).layout
+                    outline(
+                        &triangles,
+                        can_be_hit(None),
+                        builder,
+                        Leaves::default(),
+                        &Kinds::All(0),
+                    )
+                    .layout
                 });
                 let coordinates = layout.nodes.iter().flat_map(|node| node.bounds).flatten();
                 let coordinates: Vec<u32> = coordinates.flatten().map(f32::to_bits).collect();
@@ -208,7 +220,7 @@ mod tests {
         triangles[1000].b = triangles[1000].a;
         for builder in Builder::ALL {
             let Outline { layout, left_out, .. } =
-                outline(&triangles, builder, Leaves::default(), &Kinds::All(0));
+                outline(&triangles, can_be_hit(None), builder, Leaves::default(), &Kinds::All(0));
             assert_eq!(left_out, [1000], "{builder}");
             let mut found = vec![0_u32; triangles.len()];
             let mut references = 0;

@@ -6,8 +6,9 @@ use trisect_method::UnsuitableMesh;
 use super::corners::Corners;
 use super::members::{Kinds, Members, PLACES, blocks as pack};
 use crate::bvh::bounds::Bounds;
+use crate::bvh::frame::Frame;
 use crate::bvh::node::{Child, Node, child, leaf};
-use crate::bvh::wide::WideTree;
+use crate::bvh::wide::{CanBeHit, WideTree, can_be_hit};
 use crate::parallel::each;
 use crate::vectors::WIDTH;
 
@@ -36,7 +37,8 @@ pub enum RefitError {
     Unsuitable(#[from] UnsuitableMesh),
 }
 
-/// Fits a tree to triangles of those kinds that have moved since it was built, and says what is in each block now.
+/// Fits a tree to triangles of those kinds that have moved since it was built, and are in that frame now. Says what is in
+/// each block.
 /// `blocks` are the ids of the triangles of each block so far. The tree is as before where it fails.
 ///
 /// # Errors
@@ -46,18 +48,21 @@ pub(crate) fn refit(
     tree: &mut WideTree,
     blocks: &[[u32; WIDTH]],
     triangles: &[Triangle<f32>],
+    frame: Option<Frame>,
     kinds: impl FnOnce() -> Result<Kinds, UnsuitableMesh>,
 ) -> Result<Vec<Members>, RefitError> {
     let (built, given) = (tree.origin.triangles, triangles.len());
     if built != given {
         return Err(RefitError::Count { built, given });
     }
+    let is_in = can_be_hit(frame.as_ref());
     let mut left_out = tree.origin.left_out.iter();
-    if let Some(&triangle) = left_out.find(|&&id| triangles[id as usize].can_be_hit()) {
+    if let Some(&triangle) = left_out.find(|&&id| is_in(&triangles[id as usize])) {
         return Err(RefitError::Appeared { triangle });
     }
     let members = members(&mut tree.nodes, blocks, &kinds()?);
-    tree.bounds = fit_boxes(&mut tree.nodes, triangles, &members);
+    tree.bounds = fit_boxes(&mut tree.nodes, triangles, is_in, &members);
+    tree.frame = frame;
     tree.widen_boxes();
     Ok(members)
 }
@@ -90,13 +95,14 @@ fn members(nodes: &mut [Node], blocks: &[[u32; WIDTH]], kinds: &Kinds) -> Vec<Me
 pub(super) fn fit_boxes(
     nodes: &mut [Node],
     triangles: &[Triangle<f32>],
+    is_in: CanBeHit,
     members: &[Members],
 ) -> Bounds {
     let boxes = each(members, Corners::EMPTY, |members: &Members| {
         let mut corners = Corners::EMPTY;
         for &id in &members.triangles {
             let triangle = &triangles[id as usize];
-            if triangle.can_be_hit() {
+            if is_in(triangle) {
                 corners.add(&Corners::of_triangle(triangle));
             }
         }
