@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use trisect::core::{Ray, Vec3};
 use trisect::{Crossings, Culling, Verdict};
 
-use crate::precision::Precision;
+use crate::queries::Number;
 
 /// Origins, directions, and where their intervals begin and end: 0 and infinity where there is nothing.
 pub(crate) type PyRays<'py> =
@@ -21,7 +21,7 @@ pub(crate) type PyHow<'py> =
     (String, Option<PyReadonlyArray1<'py, bool>>, Option<usize>, Option<Py<PyAny>>);
 
 /// Arrays of rays, kept as long as they are read.
-pub(crate) struct Borrowed<'py, X: Precision> {
+pub(crate) struct Borrowed<'py, X: Number> {
     origins: PyReadonlyArray2<'py, X>,
     directions: PyReadonlyArray2<'py, X>,
     tmin: Option<PyReadonlyArray1<'py, X>>,
@@ -37,7 +37,7 @@ pub(crate) struct Rays<'a, X> {
     tmax: Option<ArrayView1<'a, X>>,
 }
 
-impl<'py, X: Precision> Borrowed<'py, X> {
+impl<'py, X: Number> Borrowed<'py, X> {
     pub(crate) fn of((origins, directions, tmin, tmax): PyRays<'py>) -> PyResult<Self> {
         let rays = Self {
             origins: origins.extract()?,
@@ -63,7 +63,7 @@ impl<'py, X: Precision> Borrowed<'py, X> {
     }
 }
 
-impl<X: Precision> Rays<'_, X> {
+impl<X: Number> Rays<'_, X> {
     pub(crate) fn len(&self) -> usize {
         self.origins.nrows()
     }

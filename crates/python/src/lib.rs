@@ -3,7 +3,7 @@
 //! users see.
 
 mod ask;
-mod precision;
+mod queries;
 mod run;
 mod scene;
 

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::precision::FEW;
+use crate::queries::FEW;
 
 /// So often is Python asked whether to go on: Ctrl-C has a tenth of a second.
 const WATCH: Duration = Duration::from_millis(40);

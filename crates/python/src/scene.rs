@@ -7,13 +7,13 @@ use numpy::ndarray::ArrayView2;
 use numpy::{
     PyArray1, PyArray2, PyArrayDescr, PyArrayMethods, PyReadonlyArray2, PyReadwriteArray1, dtype,
 };
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use trisect::{Culling, Place, SceneOptions};
+use trisect::{Culling, NotExact, Place, Scene, SceneError, SceneOptions, UpdateError};
 
 use crate::ask::{Borrowed, PyHow, PyRays, Rays, Sight, crossings, culling};
-use crate::precision::{FEW, Found, Precision};
+use crate::queries::{self, FEW, Found, Number};
 use crate::run::{self, Task, Watch};
 
 /// How a scene is made: whether again and again, as its vertices move.
@@ -25,14 +25,15 @@ struct How {
 }
 
 /// A scene in one precision, and the mesh that it is made of.
-struct Built<X: Precision> {
-    scene: X::Scene,
+struct Built<X: Number> {
+    scene: Scene<X>,
     vertices: Vec<[X; 3]>,
     faces: Arc<[[u32; 3]]>,
 }
 
 enum State {
     F32(Built<f32>),
+    F64(Built<f64>),
 }
 
 /// The same for either precision.
@@ -40,6 +41,7 @@ macro_rules! either {
     ($state:expr, $built:ident => $what:expr) => {
         match $state {
             State::F32($built) => $what,
+            State::F64($built) => $what,
         }
     };
 }
@@ -76,7 +78,8 @@ impl RawScene {
         let state = if let Ok(vertices) = vertices.extract::<PyReadonlyArray2<f32>>() {
             State::F32(Built::new(py, &how, triples(&vertices)?, faces)?)
         } else {
-            return Err(PyTypeError::new_err("vertices of this dtype are not known"));
+            let vertices = vertices.extract::<PyReadonlyArray2<f64>>()?;
+            State::F64(Built::new(py, &how, triples(&vertices)?, faces)?)
         };
         Ok(Self { state: RwLock::new(Arc::new(state)), how })
     }
@@ -87,32 +90,26 @@ impl RawScene {
     }
 
     fn update(&self, py: Python, vertices: Bound<PyAny>) -> PyResult<()> {
-        // What nobody shares is fitted where it is.
-        let state = {
-            let vertices = triples(&vertices.extract::<PyReadonlyArray2<f32>>()?)?;
-            let (made, faces) = match &*self.state() {
-                State::F32(built) => (built.vertices.len(), Arc::clone(&built.faces)),
-            };
-            let given = vertices.len();
-            if given != made {
-                let message =
-                    format!("vertices must have shape ({made}, 3), as before, not ({given}, 3)");
-                return Err(PyValueError::new_err(message));
-            }
-            let fitted = run::within(py, self.how.threads, || self.fit(&vertices))?;
-            if fitted.map_err(PyValueError::new_err)? {
-                return Ok(());
-            }
-            State::F32(Built::new(py, &self.how, vertices, faces)?)
-        };
-        *self.state.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(state);
-        Ok(())
+        // Held no longer than it takes to ask: what is shared cannot be fitted.
+        let is_f32 = matches!(&*self.state(), State::F32(_));
+        if is_f32 {
+            self.moved(py, &vertices, State::F32, |state| match state {
+                State::F32(built) => Some(built),
+                State::F64(_) => None,
+            })
+        } else {
+            self.moved(py, &vertices, State::F64, |state| match state {
+                State::F64(built) => Some(built),
+                State::F32(_) => None,
+            })
+        }
     }
 
     #[getter]
     fn dtype<'py>(&self, py: Python<'py>) -> Bound<'py, PyArrayDescr> {
         match &*self.state() {
             State::F32(_) => dtype::<f32>(py),
+            State::F64(_) => dtype::<f64>(py),
         }
     }
 
@@ -136,6 +133,11 @@ impl RawScene {
         either!(&*self.state(), built => built.faces.len())
     }
 
+    #[getter]
+    fn count_of_vertices(&self) -> usize {
+        either!(&*self.state(), built => built.vertices.len())
+    }
+
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         either!(&*self.state(), built => Ok(rows(py, &built.vertices)?.into_any()))
     }
@@ -145,7 +147,7 @@ impl RawScene {
     }
 
     fn statistics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let facts = either!(&*self.state(), built => built.statistics());
+        let facts = either!(&*self.state(), built => built.scene.statistics());
         let dict = PyDict::new(py);
         dict.set_item("builder", facts.builder.to_string())?;
         dict.set_item("nodes", facts.nodes)?;
@@ -214,13 +216,30 @@ impl RawScene {
         Arc::clone(&self.state.read().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Fits the tree to vertices that have moved, where no other scene shares it; whether it could.
-    fn fit(&self, vertices: &[[f32; 3]]) -> Result<bool, String> {
-        let mut state = self.state.write().unwrap_or_else(PoisonError::into_inner);
-        match Arc::get_mut(&mut state) {
-            Some(State::F32(built)) => built.fit(vertices),
-            None => Ok(false),
+    /// Moves the vertices: fits the tree to them where no other scene shares it and it can be, or makes it anew.
+    fn moved<X: Number>(
+        &self,
+        py: Python,
+        vertices: &Bound<PyAny>,
+        of: fn(Built<X>) -> State,
+        built: fn(&mut State) -> Option<&mut Built<X>>,
+    ) -> PyResult<()> {
+        let vertices = triples(&vertices.extract::<PyReadonlyArray2<X>>()?)?;
+        let fit = || {
+            let mut state = self.state.write().unwrap_or_else(PoisonError::into_inner);
+            match Arc::get_mut(&mut state).and_then(built) {
+                Some(built) => built.fit(&vertices),
+                None => Ok(false),
+            }
+        };
+        // Nobody who holds the lock waits for Python.
+        if run::within(py, self.how.threads, fit)?.map_err(amiss)? {
+            return Ok(());
         }
+        let faces = either!(&*self.state(), built => Arc::clone(&built.faces));
+        let state = of(Built::new(py, &self.how, vertices, faces)?);
+        *self.state.write().unwrap_or_else(PoisonError::into_inner) = Arc::new(state);
+        Ok(())
     }
 
     fn watch<'py>(&self, py: Python<'py>, how: &PyHow) -> PyResult<Watch<'py>> {
@@ -233,7 +252,7 @@ impl RawScene {
 }
 
 impl How {
-    fn options(&self) -> PyResult<SceneOptions> {
+    fn options<X: Number>(&self) -> PyResult<SceneOptions<X>> {
         let options = SceneOptions::default();
         let options = match self.method.as_str() {
             "exact" => options.exact(),
@@ -249,26 +268,26 @@ impl How {
     }
 }
 
-impl<X: Precision> Built<X> {
+impl<X: Number> Built<X> {
     fn new(py: Python, how: &How, vertices: Vec<[X; 3]>, faces: Arc<[[u32; 3]]>) -> PyResult<Self> {
         let options = how.options()?;
-        let build = move || {
-            let scene = X::build(options, &vertices, &faces)?;
+        let build = move || -> Result<Self, SceneError> {
+            let scene = options.build(&vertices, &faces)?;
             Ok(Self { scene, vertices, faces })
         };
-        run::apart(py, how.threads, build)?.map_err(|error: String| PyValueError::new_err(error))
+        run::apart(py, how.threads, build)?.map_err(amiss)
     }
 
-    fn fit(&mut self, vertices: &[[X; 3]]) -> Result<bool, String> {
-        let is_fitted = X::update(&mut self.scene, vertices)?;
-        if is_fitted {
-            self.vertices.copy_from_slice(vertices);
+    /// Fits the tree to vertices that have moved; whether it could.
+    fn fit(&mut self, vertices: &[[X; 3]]) -> Result<bool, UpdateError> {
+        match self.scene.update(vertices) {
+            Ok(()) => {
+                self.vertices.copy_from_slice(vertices);
+                Ok(true)
+            }
+            Err(UpdateError::Refit(_)) => Ok(false),
+            Err(error) => Err(error),
         }
-        Ok(is_fitted)
-    }
-
-    fn statistics(&self) -> trisect::Statistics {
-        X::statistics(&self.scene)
     }
 
     fn first(&self, watch: &Watch, rays: PyRays, how: &PyHow, out: FirstOut) -> PyResult<()> {
@@ -290,7 +309,7 @@ impl<X: Precision> Built<X> {
         for (part, ((triangle, t), (u, v))) in places.enumerate() {
             let (from, count) = (part * size, triangle.len());
             let work = move || {
-                X::first(&self.scene, sight, &rays.gather(from..from + count), |at, hit| {
+                queries::first(&self.scene, sight, &rays.gather(from..from + count), |at, hit| {
                     let (id, hit) = match hit {
                         Some((id, along, second, third)) => (number(id), (along, second, third)),
                         None => (-1, (X::INFINITY, X::ZERO, X::ZERO)),
@@ -308,7 +327,7 @@ impl<X: Precision> Built<X> {
         let rays = Borrowed::<X>::of(rays)?;
         let (rays, sight) = (rays.rays(), sight(watch, how, "every")?);
         in_parts(watch, rays.len(), out, |from, out| {
-            X::any(&self.scene, sight, &rays.gather(from..from + out.len()), out);
+            queries::any(&self.scene, sight, &rays.gather(from..from + out.len()), out);
         })
     }
 
@@ -324,7 +343,7 @@ impl<X: Precision> Built<X> {
         let (rays, sight) = (rays.rays(), sight(watch, how, crossings)?);
         in_parts(watch, rays.len(), out, |from, out| {
             let rays = rays.gather(from..from + out.len());
-            X::count(&self.scene, sight, &rays, |at, count| out[at] = number(count));
+            queries::count(&self.scene, sight, &rays, |at, count| out[at] = number(count));
         })
     }
 
@@ -337,11 +356,11 @@ impl<X: Precision> Built<X> {
     ) -> PyResult<()> {
         let points = points.extract::<PyReadonlyArray2<X>>()?;
         let points: ArrayView2<X> = points.as_array();
-        let (sight, failed) = (sight(watch, how, "every")?, Mutex::new(None));
+        let (sight, failed) = (sight(watch, how, "every")?, Mutex::new(None::<NotExact>));
         in_parts(watch, points.nrows(), out, |from, out| {
             let point = |at| [points[[at, 0]], points[[at, 1]], points[[at, 2]]];
             let points: Vec<_> = (from..from + out.len()).map(point).collect();
-            let placed = X::places(&self.scene, sight, &points, |at, place| {
+            let placed = queries::places(&self.scene, sight, &points, |at, place| {
                 out[at] = match place {
                     Place::Inside => 1,
                     Place::On => 0,
@@ -353,7 +372,7 @@ impl<X: Precision> Built<X> {
             }
         })?;
         match failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            Some(error) => Err(PyValueError::new_err(error)),
+            Some(error) => Err(amiss(error)),
             None => Ok(()),
         }
     }
@@ -379,7 +398,7 @@ impl<X: Precision> Built<X> {
         for (part, place) in parts.iter_mut().enumerate() {
             let (from, to) = (part * size, rays.len().min((part + 1) * size));
             let work = move || {
-                X::all(&self.scene, sight, &rays.gather(from..to), |hits| {
+                queries::all(&self.scene, sight, &rays.gather(from..to), |hits| {
                     let before = place.hits.len();
                     place.hits.extend(hits);
                     place.counts.push(place.hits.len() - before);
@@ -407,6 +426,11 @@ impl<X: Precision> Built<X> {
             column(|hit| hit.3),
         ))
     }
+}
+
+/// What is amiss, in Python's way.
+fn amiss(error: impl std::error::Error) -> PyErr {
+    PyValueError::new_err(error.to_string())
 }
 
 /// Faces are fewer than 2²⁷, and so are hits of one ray.

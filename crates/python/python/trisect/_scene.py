@@ -15,8 +15,6 @@ Cull = Literal["none", "back", "front"]
 Crossings = Literal["every", "owned"]
 
 _DTYPES = {"f32": np.dtype(np.float32), "f64": np.dtype(np.float64)}
-# Which of them the compiled half has.
-_BUILT = ("f32",)
 
 
 class Hits(NamedTuple):
@@ -312,7 +310,10 @@ class Scene:
         >>> float(scene.first([0.25, 0.5, 1.0], [0.0, 0.0, -1.0]).t)
         2.0
         """
-        self._raw.update(_rows("vertices", np.asarray(vertices), self.dtype))
+        vertices, made = np.asarray(vertices), self._raw.count_of_vertices
+        if vertices.shape != (made, 3):
+            raise ValueError(f"vertices must have shape ({made}, 3), as before, not {vertices.shape}")
+        self._raw.update(_rows("vertices", vertices, self.dtype))
 
     def points(self, hits: Hits | AllHits) -> npt.NDArray[Any]:
         """The points that are hit, (..., 3) in float64, from the corners and their weights: nearer to the triangle than
@@ -436,12 +437,7 @@ def _dtype(precision: str, given: np.dtype[Any]) -> np.dtype[Any]:
     if precision not in ("auto", *_DTYPES):
         raise ValueError(f'precision must be "auto", "f32" or "f64", not {precision!r}')
     is_small = given.kind == "f" and given.itemsize <= 4
-    name = ("f32" if is_small else "f64") if precision == "auto" else precision
-    if name not in _BUILT:
-        raise ValueError(
-            f'scenes in f64 are not built yet, and {given} vertices would be rounded: precision="f32" rounds them'
-        )
-    return _DTYPES[name]
+    return _DTYPES[("f32" if is_small else "f64") if precision == "auto" else precision]
 
 
 def _aligned(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
