@@ -20,7 +20,7 @@ pub use kernel::{Find, Finder, Kernel, Scene, Tally};
 pub use variant::{Lane, Variant};
 pub use yardsticks::{every_triangle, scalar_tree, waived_watertight};
 
-pub use trisect::trees::BuildTree;
+pub use trisect::trees::{BuildTree, NAMES as TREES_F64};
 
 pub use trisect_tracer::{Builder, Leaves, Statistics, Tracing, Tree, TriangleHit, fast_lanes};
 
@@ -80,6 +80,19 @@ impl Entry {
         leaves: Leaves,
     ) -> Result<Box<dyn Tree>, UnsuitableMesh> {
         self.inline_tree.unwrap_or(self.erased_tree)(triangles, builder, leaves)
+    }
+
+    /// Builds a tree of f64, where the method is one of those that [`trisect::trees`] has one of.
+    ///
+    /// # Errors
+    /// When the method does not take these triangles.
+    pub fn tree_f64(
+        &self,
+        triangles: &[Triangle<f64>],
+        builder: Builder,
+    ) -> Option<Result<Box<dyn Tree<f64>>, UnsuitableMesh>> {
+        let build = trisect::trees::find::<f64>(self.info.name)?;
+        Some(build(triangles, builder, Leaves::default()))
     }
 }
 

@@ -224,7 +224,8 @@ pub(crate) struct Query {
     /// the header x,y,z, or - for standard input; by --method exact alone
     #[arg(long, value_name = "POINTS", conflicts_with_all = ["rays", "cull"])]
     pub contains: Option<PathBuf>,
-    /// Test every triangle instead of those that a tree leaves; f64 and --division always do
+    /// Test every triangle instead of those that a tree leaves; --division always does, and f64 unless the method is
+    /// exact, moller-trumbore or watertight
     #[arg(long)]
     pub brute_force: bool,
     #[command(flatten)]

@@ -6,13 +6,15 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result, anyhow, bail};
 use rayon::prelude::*;
 use serde::Serialize;
-use trisect_catalog::{Builder, Entry, Finder, Kernels, Tracing, TriangleHit, Variant};
+use trisect_catalog::{
+    Builder, Entry, Finder, Kernels, TREES_F64, Tracing, Tree, TriangleHit, Variant,
+};
 use trisect_core::{FloatFormat, Hit, Precision, Ray, Scalar as _, Triangle, Vec3};
 use trisect_method::{Culling, Output, Place, UnsuitableMesh};
 use trisect_oracle::{Exact, Oracle};
 use trisect_studies::input;
 use trisect_tracer::{AllHits, Crossings};
-use trisect_workloads::{Mesh, RaysFile, read_points};
+use trisect_workloads::{Mesh, PointsFile, RaysFile, read_points};
 
 use crate::arguments::Query;
 use crate::studies::say;
@@ -33,18 +35,18 @@ enum Answer<E> {
 
 /// One hit of several.
 #[derive(Serialize)]
-struct OneHit {
+struct OneHit<E> {
     triangle: u32,
-    t: f32,
+    t: E,
     /// Not of a method that gives none.
     #[serde(flatten)]
-    weights: Option<Weights>,
+    weights: Option<Weights<E>>,
 }
 
 #[derive(Serialize)]
-struct Weights {
-    beta: f32,
-    gamma: f32,
+struct Weights<E> {
+    beta: E,
+    gamma: E,
 }
 
 #[derive(Serialize)]
@@ -72,9 +74,9 @@ enum Line<E> {
 }
 
 #[derive(Serialize)]
-struct AllLine {
+struct AllLine<E> {
     ray: usize,
-    hits: Vec<OneHit>,
+    hits: Vec<OneHit<E>>,
 }
 
 #[derive(Serialize)]
@@ -93,59 +95,121 @@ pub(crate) fn run(arguments: &Query) -> Result<()> {
     if arguments.owned && !(arguments.all || arguments.count) {
         bail!("--owned says which hits count; use it with --all or --count");
     }
-    if let Some(option) = beyond_the_nearest(arguments) {
-        return many(arguments, option);
-    }
-    match arguments.precision {
-        FloatFormat::F32 => {
-            // The tree decides as the form does that decides without quotients.
-            let in_tree = !arguments.brute_force && arguments.division.is_none();
-            answer(
-                arguments,
-                |entry| &entry.f32,
-                |file| file.rays_f32,
-                |mesh| in_f32(arguments, mesh, "--precision f64 keeps them where they are"),
-                in_tree.then_some(in_tree_of),
-            )
-        }
-        FloatFormat::F64 => {
-            let triangles = |mesh: &Mesh| {
-                input::say_degenerate(&arguments.mesh, mesh.degenerate_f64(), mesh, &say);
-                mesh.triangles_f64()
-            };
-            answer(arguments, |entry| &entry.f64, |file| file.rays, triangles, None)
-        }
+    match (beyond_the_nearest(arguments), arguments.precision) {
+        (Some(option), FloatFormat::F32) => many::<f32>(arguments, option),
+        (Some(option), FloatFormat::F64) => many::<f64>(arguments, option),
+        (None, FloatFormat::F32) => answer::<f32>(arguments),
+        (None, FloatFormat::F64) => answer::<f64>(arguments),
     }
 }
 
-fn answer<E: Precision + Serialize>(
-    arguments: &Query,
-    kernels: impl Fn(&'static Entry) -> &'static Kernels<E>,
-    rays: impl Fn(RaysFile) -> Vec<Ray<E>>,
-    triangles: impl Fn(&Mesh) -> Arc<[Triangle<E>]>,
-    tree: Option<InTree<E>>,
-) -> Result<()> {
+/// What is asked about in a precision, and by what.
+trait Asked: Precision + trisect_tracer::Precision + Serialize {
+    fn kernels(entry: &'static Entry) -> &'static Kernels<Self>;
+
+    fn rays(file: RaysFile) -> Vec<Ray<Self>>;
+
+    fn points(file: PointsFile) -> Vec<Vec3<Self>>;
+
+    /// The triangles; what is lost by rounding is said, with what `mend`s it.
+    fn triangles(arguments: &Query, mesh: &Mesh, mend: &str) -> Arc<[Triangle<Self>]>;
+
+    /// Whether a method has a tree.
+    fn has_tree(entry: &Entry) -> bool;
+
+    /// Its tree, if it has one: quick to build, as it is used once.
+    fn tree(entry: &Entry, triangles: &[Triangle<Self>]) -> Option<Built<Self>>;
+}
+
+/// A tree.
+type Built<E> = Result<Box<dyn Tree<E>>, UnsuitableMesh>;
+
+impl Asked for f32 {
+    fn kernels(entry: &'static Entry) -> &'static Kernels<f32> {
+        &entry.f32
+    }
+
+    fn rays(file: RaysFile) -> Vec<Ray<f32>> {
+        file.rays_f32
+    }
+
+    fn points(file: PointsFile) -> Vec<Vec3<f32>> {
+        file.points_f32
+    }
+
+    fn triangles(arguments: &Query, mesh: &Mesh, mend: &str) -> Arc<[Triangle<f32>]> {
+        input::say_degenerate(&arguments.mesh, mesh.degenerate, mesh, &say);
+        input::say_rounding(&arguments.mesh, mesh.rounding(), mend, &say);
+        Arc::clone(&mesh.triangles)
+    }
+
+    fn has_tree(_: &Entry) -> bool {
+        true
+    }
+
+    fn tree(entry: &Entry, triangles: &[Triangle<f32>]) -> Option<Built<f32>> {
+        Some(entry.tree(triangles, Builder::Binned))
+    }
+}
+
+impl Asked for f64 {
+    fn kernels(entry: &'static Entry) -> &'static Kernels<f64> {
+        &entry.f64
+    }
+
+    fn rays(file: RaysFile) -> Vec<Ray<f64>> {
+        file.rays
+    }
+
+    fn points(file: PointsFile) -> Vec<Vec3<f64>> {
+        file.points
+    }
+
+    fn triangles(arguments: &Query, mesh: &Mesh, _: &str) -> Arc<[Triangle<f64>]> {
+        input::say_degenerate(&arguments.mesh, mesh.degenerate_f64(), mesh, &say);
+        mesh.triangles_f64()
+    }
+
+    fn has_tree(entry: &Entry) -> bool {
+        TREES_F64.contains(&entry.info.name)
+    }
+
+    fn tree(entry: &Entry, triangles: &[Triangle<f64>]) -> Option<Built<f64>> {
+        entry.tree_f64(triangles, Builder::Binned)
+    }
+}
+
+/// Where coordinates stay as they are in the file.
+const KEEPS: &str = "--precision f64 keeps them where they are";
+
+fn answer<E: Asked>(arguments: &Query) -> Result<()> {
     // What is typed is checked before what is read.
     let finder = if arguments.method == ORACLE {
         None
     } else {
         let entry = input::method(&arguments.method)?;
-        let kernels = kernels(entry);
+        let kernels = E::kernels(entry);
         Some((entry, kernels, choose(arguments, entry, kernels)?))
     };
-    let triangles = triangles(&input::read_mesh(&arguments.mesh, &arguments.reading, &say)?);
-    let rays = rays(load_rays(arguments)?);
-    let culling = arguments.cull.into();
-    let answers = match finder {
-        None => truth(&rays, &triangles, culling, arguments.any),
-        Some((entry, ..)) if let Some(tree) = tree => {
-            tree(entry, arguments, &rays, &triangles, culling)
-                .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.mesh.display()))?
+    let mesh = input::read_mesh(&arguments.mesh, &arguments.reading, &say)?;
+    let triangles = E::triangles(arguments, &mesh, KEEPS);
+    let rays = E::rays(load_rays(arguments)?);
+    let unsuitable = |error| anyhow!("{}: {error}", arguments.mesh.display());
+    // The tree decides as the form does that decides without quotients.
+    let in_tree = !arguments.brute_force && arguments.division.is_none();
+    let tree = match finder {
+        Some((entry, ..)) if in_tree => {
+            E::tree(entry, &triangles).transpose().map_err(unsuitable)?
         }
-        Some((entry, kernels, finder)) => {
+        _ => None,
+    };
+    let culling = arguments.cull.into();
+    let answers = match (finder, tree) {
+        (None, _) => truth(&rays, &triangles, culling, arguments.any),
+        (Some((entry, ..)), Some(tree)) => in_tree_of(&*tree, entry, arguments, &rays, culling),
+        (Some((entry, kernels, finder)), None) => {
             let weighs = entry.info.gives(Output::Barycentrics);
-            let scene = (kernels.prepare)(&triangles, &rays)
-                .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.mesh.display()))?;
+            let scene = (kernels.prepare)(&triangles, &rays).map_err(unsuitable)?;
             if arguments.any {
                 let any = finder.any(&scene, culling, rays.len());
                 any.into_iter().map(Answer::any).collect()
@@ -180,10 +244,7 @@ fn beyond_the_nearest(arguments: &Query) -> Option<&'static str> {
 }
 
 /// Answers what takes a tree.
-fn many(arguments: &Query, option: &str) -> Result<()> {
-    if arguments.precision == FloatFormat::F64 {
-        bail!("{option} has no f64 yet, as trees have none; leave --precision out");
-    }
+fn many<E: Asked>(arguments: &Query, option: &str) -> Result<()> {
     if arguments.brute_force {
         bail!("{option} is answered by a tree; leave --brute-force out");
     }
@@ -201,16 +262,23 @@ fn many(arguments: &Query, option: &str) -> Result<()> {
             arguments.method
         );
     }
-    choose(arguments, entry, &entry.f32)?;
+    if !E::has_tree(entry) {
+        bail!(
+            "{} has no tree in f64, and {option} takes one; use --method {}, or leave --precision out",
+            arguments.method,
+            TREES_F64.join(" or ")
+        );
+    }
+    choose(arguments, entry, E::kernels(entry))?;
     let mesh = input::read_mesh(&arguments.mesh, &arguments.reading, &say)?;
-    let triangles = in_f32(arguments, &mesh, input::MOVE);
+    let mend = if TREES_F64.contains(&entry.info.name) { KEEPS } else { input::MOVE };
+    let triangles = E::triangles(arguments, &mesh, mend);
     let build = || {
-        entry
-            .tree(&triangles, Builder::Binned)
-            .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.mesh.display()))
+        let tree = E::tree(entry, &triangles).context("it was asked for before")?;
+        tree.map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.mesh.display()))
     };
     if let Some(points) = &arguments.contains {
-        let points = read_points(points, &(&arguments.reading).into())?;
+        let points = E::points(read_points(points, &(&arguments.reading).into())?);
         let mut places = vec![Place::Outside; points.len()];
         build()?.contains_of(&points, &mut places)?;
         let name = |place| match place {
@@ -221,7 +289,7 @@ fn many(arguments: &Query, option: &str) -> Result<()> {
         let lines = places.into_iter().enumerate();
         return print(lines.map(|(point, place)| PlaceLine { point, place: name(place) }));
     }
-    let rays = load_rays(arguments)?.rays_f32;
+    let rays = E::rays(load_rays(arguments)?);
     let (tracing, culling) = (Tracing::Plain, arguments.cull.into());
     let crossings = if arguments.owned { Crossings::Owned } else { Crossings::Every };
     if arguments.count {
@@ -232,19 +300,12 @@ fn many(arguments: &Query, option: &str) -> Result<()> {
     let mut all = AllHits::default();
     build()?.all_of(tracing, culling, crossings, &rays, &mut all);
     let weighs = entry.info.gives(Output::Barycentrics);
-    let one = |&TriangleHit { triangle, hit: Hit { t, beta, gamma } }: &TriangleHit| OneHit {
+    let one = |&TriangleHit { triangle, hit: Hit { t, beta, gamma } }: &TriangleHit<E>| OneHit {
         triangle,
         t,
         weights: weighs.then_some(Weights { beta, gamma }),
     };
     print((0..rays.len()).map(|ray| AllLine { ray, hits: all.of(ray).iter().map(one).collect() }))
-}
-
-/// The triangles in f32; what is lost by that is said, with what mends it.
-fn in_f32(arguments: &Query, mesh: &Mesh, mend: &str) -> Arc<[Triangle<f32>]> {
-    input::say_degenerate(&arguments.mesh, mesh.degenerate, mesh, &say);
-    input::say_rounding(&arguments.mesh, mesh.rounding(), mend, &say);
-    Arc::clone(&mesh.triangles)
 }
 
 /// Prints lines of JSON.
@@ -259,36 +320,25 @@ fn print(lines: impl Iterator<Item = impl Serialize>) -> Result<()> {
 }
 
 /// Answers from a tree.
-type InTree<E> = fn(
-    &Entry,
-    &Query,
-    &[Ray<E>],
-    &[Triangle<E>],
-    Culling,
-) -> Result<Vec<Answer<E>>, UnsuitableMesh>;
-
-fn in_tree_of(
+fn in_tree_of<E: Asked>(
+    tree: &dyn Tree<E>,
     entry: &Entry,
     arguments: &Query,
-    rays: &[Ray<f32>],
-    triangles: &[Triangle<f32>],
+    rays: &[Ray<E>],
     culling: Culling,
-) -> Result<Vec<Answer<f32>>, UnsuitableMesh> {
-    // Quick to build, as it is used once.
-    let tree = entry.tree(triangles, Builder::Binned)?;
+) -> Vec<Answer<E>> {
     if arguments.any {
         let mut any = vec![false; rays.len()];
         tree.any(Tracing::Plain, culling, rays, &mut any);
-        return Ok(any.into_iter().map(Answer::any).collect());
+        return any.into_iter().map(Answer::any).collect();
     }
     let weighs = entry.info.gives(Output::Barycentrics);
     let mut found = vec![None; rays.len()];
     tree.closest(Tracing::Plain, culling, rays, &mut found);
-    let widen = |TriangleHit { triangle, hit: Hit { t, beta, gamma } }| {
-        let [t, beta, gamma] = [t, beta, gamma].map(f64::from);
-        (triangle, Hit { t, beta, gamma })
+    let answer = |TriangleHit { triangle, hit }: TriangleHit<E>| {
+        if weighs { Answer::Closest(triangle, hit) } else { Answer::Bare(triangle, hit.t) }
     };
-    Ok(found.into_iter().map(|found| Answer::widened(found.map(widen), weighs)).collect())
+    found.into_iter().map(|found| found.map_or(Answer::Miss, answer)).collect()
 }
 
 /// The finder of the width and division asked for.

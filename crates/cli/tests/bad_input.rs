@@ -242,7 +242,8 @@ fn more_than_the_nearest_hit() {
     refused(vec![
         case(
             "query --mesh mesh.obj --rays rays.csv --method wald --all --precision f64",
-            "--all has no f64 yet, as trees have none; leave --precision out",
+            "wald has no tree in f64, and --all takes one; use --method exact or moller-trumbore or \
+             watertight, or leave --precision out",
         ),
         case(
             "query --mesh mesh.obj --rays rays.csv --method wald --count --brute-force",

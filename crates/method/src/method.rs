@@ -250,8 +250,9 @@ pub trait ExactMethod: Method {
     fn corners<X: Value>(triangle: &Of<Self::Prepared, X>) -> Triangle<X>;
 
     /// The values of the hits of ray `i` with triangle `i`, for each bit `i` of `hits`; other places hold
-    /// arbitrary numbers. Rays and triangles as they were given.
-    fn values<X: Scalar, const N: usize>(
+    /// arbitrary numbers. Rays and triangles as they were given. `L` are lanes whose instructions are at hand where
+    /// this is inlined; numbers are themselves always.
+    fn values<L: Lanes, X: Scalar, const N: usize>(
         rays: &Ray<&[X; N]>,
         triangles: &Triangle<[X; N]>,
         hits: u64,

@@ -252,8 +252,8 @@ where
     }
 
     #[inline(always)]
-    fn finish(self, Work { rays, hits }: &mut Work<Self::Hits, N>) -> &[Q::Found; N] {
-        Q::finish(&self.leaves.blocks, rays, hits)
+    fn finish<L: Lanes>(self, Work { rays, hits }: &mut Work<Self::Hits, N>) -> &[Q::Found; N] {
+        Q::finish::<L, N>(&self.leaves.blocks, rays, hits)
     }
 }
 

@@ -236,10 +236,10 @@ where
     }
 
     #[inline(always)]
-    fn finish(
+    fn finish<L: Lanes>(
         self,
         Work { hits: Asked { ray, hits }, .. }: &mut Work<Self::Hits, 1>,
     ) -> &[Q::Found; 1] {
-        Q::finish(&self.leaves.blocks, ray, hits)
+        Q::finish::<L, 1>(&self.leaves.blocks, ray, hits)
     }
 }

@@ -5,50 +5,52 @@ mod common;
 use std::cmp::Ordering;
 
 use common::rays_of;
-use trisect_core::{Hit, Ray, Triangle, Vec3};
+use trisect_core::{Float, Hit, Ray, Scalar, Triangle, Vec3};
 use trisect_exact::{Exact, ExactInTrees, point_in_solid};
 use trisect_method::{Culling, Method, Place};
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_oracle::{Class, Exact as Rational, Oracle, compare_t};
 use trisect_tracer::{
-    AllHits, Builder, Bvh, Crossings, ErasedBvh, EveryTriangle, NotExact, ScalarBvh, Tracing, Tree,
-    TriangleHit, Verdict,
+    AllHits, Builder, Bvh, Crossings, ErasedBvh, EveryTriangle, NotExact, Precision, ScalarBvh,
+    Tracing, Tree, TriangleHit, Verdict,
 };
 use trisect_wald::Wald;
 use trisect_watertight::Watertight;
 use trisect_workloads::{Mesh, Placement, Stream, Surface};
 
 /// Triangles on a grid of numbers, so that rays meet edges and corners exactly.
-struct Scene {
+struct Scene<P> {
     name: &'static str,
-    triangles: Vec<Triangle<f32>>,
+    triangles: Vec<Triangle<P>>,
     /// The middle and the size of what rays and points are drawn from, and the distance of its numbers.
-    around: (Vec3<f32>, f32, f32),
+    around: (Vec3<P>, f64, f64),
     /// Whether a line enters as often as it leaves.
     is_closed: bool,
 }
 
 /// A whole number of steps up to `most`.
-#[allow(clippy::cast_possible_truncation, reason = "small whole numbers")]
-fn number(stream: &mut Stream, most: f32, step: f32) -> f32 {
-    let most = f64::from(most / step);
-    stream.range_f64(-most, most).round() as f32 * step
+fn number<P: Float>(stream: &mut Stream, most: f64, step: f64) -> P {
+    let most = most / step;
+    P::from_f64(stream.range_f64(-most, most).round() * step)
 }
 
-fn vector(stream: &mut Stream, most: f32, step: f32) -> Vec3<f32> {
+fn vector<P: Float>(stream: &mut Stream, most: f64, step: f64) -> Vec3<P> {
     [0, 1, 2].map(|_| number(stream, most, step)).into()
 }
 
-fn surface(surface: &Surface, scale: f64, offset: Vec3<f64>) -> Vec<Triangle<f32>> {
+fn surface<P: Float>(surface: &Surface, scale: f64, offset: Vec3<f64>) -> Vec<Triangle<P>> {
     surface.triangles(&Placement { scale, offset })
 }
 
-fn turned(triangle: &Triangle<f32>) -> Triangle<f32> {
+fn turned<P: Float>(triangle: &Triangle<P>) -> Triangle<P> {
     Triangle { b: triangle.c, c: triangle.b, ..*triangle }
 }
 
-fn scenes(stream: &mut Stream) -> Vec<Scene> {
-    let (zero, far) = (Vec3::new(0.0, 0.0, 0.0), Vec3::new(500_000.0, 4_649_776.0, 320.0));
+fn scenes<P: Precision>(stream: &mut Stream) -> Vec<Scene<P>> {
+    // The fraction is lost in f32.
+    let fraction = 2.0_f64.powi(-20);
+    let far = Vec3::new(500_000.0 + fraction, 4_649_776.0 + fraction, 320.0);
+    let (zero, number) = (Vec3::new(0.0, 0.0, 0.0), P::from_f64);
     let lattice = (0..300)
         .map(|_| {
             let corners = [0, 1, 2].map(|_| vector(stream, 4.0, 1.0));
@@ -59,23 +61,23 @@ fn scenes(stream: &mut Stream) -> Vec<Scene> {
     let hall = (0..800)
         .map(|place| {
             let (long, step) = if place % 10 == 0 { (16.0, 1.0) } else { (1.0, 0.5) };
-            let a = vector(stream, 16.0, 1.0);
-            let b = a.scale(1.0 - long / 16.0) + vector(stream, long, step);
-            Triangle { a, b, c: b + Vec3::new(0.5, -0.5, 0.25) }
+            let a: Vec3<P> = vector(stream, 16.0, 1.0);
+            let b = a.scale(number(1.0 - long / 16.0)) + vector(stream, long, step);
+            Triangle { a, b, c: b + Vec3::new(0.5, -0.5, 0.25).map(number) }
         })
         .collect();
     // Their distances round to few numbers.
     let layers = (0..60_u32)
         .flat_map(|layer| {
-            let z = f32::from_bits(1.0_f32.to_bits() + layer);
-            let square = surface(&Surface::square(2), 2.0, zero.map(f64::from));
+            let z = number(1.0 + f64::from(layer) * 2.0 * P::UNIT_ROUNDOFF);
+            let square = surface(&Surface::square(2), 2.0, zero);
             square.into_iter().map(move |triangle| {
-                let up = |v: Vec3<f32>| Vec3::new(v.x, v.y, z);
+                let up = |v: Vec3<P>| Vec3::new(v.x, v.y, z);
                 Triangle { a: up(triangle.a), b: up(triangle.b), c: up(triangle.c) }
             })
         })
         .collect();
-    let cube = |divisions, scale| surface(&Surface::cube(divisions), scale, zero.map(f64::from));
+    let cube = |divisions, scale| surface(&Surface::cube(divisions), scale, zero);
     let coincident = cube(2, 2.0).repeat(8);
     let sheet = cube(4, 2.0);
     let doubled = sheet.iter().copied().chain(sheet.iter().map(turned)).collect();
@@ -84,8 +86,11 @@ fn scenes(stream: &mut Stream) -> Vec<Scene> {
         .chain(cube(2, 2.0).iter().map(turned))
         .chain(cube(1, 1.0))
         .collect();
-    let utm = surface(&Surface::cube(8), 64.0, far.map(f64::from));
-    let scene = |name, triangles, around, is_closed| Scene { name, triangles, around, is_closed };
+    let utm = surface(&Surface::cube(8), 64.0, far);
+    let scene = |name, triangles, (middle, size, step): (Vec3<f64>, _, _), is_closed| {
+        let around = (middle.map(number), size, step);
+        Scene { name, triangles, around, is_closed }
+    };
     vec![
         scene("lattice", lattice, (zero, 6.0, 0.25), false),
         scene("hall", hall, (zero, 20.0, 0.25), false),
@@ -98,7 +103,7 @@ fn scenes(stream: &mut Stream) -> Vec<Scene> {
 }
 
 /// Rays at corners, at middles of edges and anywhere, some of them lines, and some that end at what they are aimed at.
-fn rays(stream: &mut Stream, scene: &Scene, count: usize) -> Vec<Ray<f32>> {
+fn rays<P: Precision>(stream: &mut Stream, scene: &Scene<P>, count: usize) -> Vec<Ray<P>> {
     let (middle, size, step) = scene.around;
     (0..count)
         .map(|_| {
@@ -107,42 +112,42 @@ fn rays(stream: &mut Stream, scene: &Scene, count: usize) -> Vec<Ray<f32>> {
             let Triangle { a, b, .. } = scene.triangles[usize::try_from(place).unwrap_or(0)];
             let target = match stream.bits() % 4 {
                 0 => a,
-                1 => a + (b - a).scale(0.5),
+                1 => a + (b - a).scale(P::from_f64(0.5)),
                 _ => middle + vector(stream, size, step),
             };
-            let ray = Ray { o, d: target - o, tmin: 0.0, tmax: f32::INFINITY };
+            let ray = Ray::new(o, target - o);
             match stream.bits() % 4 {
-                0 => Ray { tmin: f32::NEG_INFINITY, ..ray },
-                1 => Ray { tmax: 1.0, ..ray },
+                0 => Ray { tmin: P::from_f64(f64::NEG_INFINITY), ..ray },
+                1 => Ray { tmax: P::from_f64(1.0), ..ray },
                 _ => ray,
             }
         })
         .collect()
 }
 
-fn rational(v: Vec3<f32>) -> Vec3<Rational> {
-    v.map(|x| trisect_core::Scalar::from_f64(f64::from(x)))
+fn rational<P: Float>(v: Vec3<P>) -> Vec3<Rational> {
+    v.map(|x| Scalar::from_f64(x.to_f64()))
 }
 
 /// Whether a ray meets the inside of a triangle once it is moved by a tiny number, its square and its cube.
-fn is_owner(ray: &Ray<f32>, triangle: &Triangle<f32>) -> bool {
+fn is_owner<P: Float>(ray: &Ray<P>, triangle: &Triangle<P>) -> bool {
     Rational::scope(|| {
         let tiny = [-200, -400, -600].map(|exponent| 2.0_f64.powi(exponent));
-        let o = rational(ray.o) + Vec3::from(tiny.map(trisect_core::Scalar::from_f64));
+        let o = rational(ray.o) + Vec3::from(tiny.map(Scalar::from_f64));
         let [a, b, c] = triangle.corners().map(|corner| rational(corner) - o);
         let d = rational(ray.d);
-        let zero = trisect_core::Scalar::from_f64(0.0);
+        let zero = Scalar::from_f64(0.0);
         let signs = [a.cross(b), b.cross(c), c.cross(a)]
             .map(|normal| d.dot(normal).partial_cmp(&zero).expect("rationals are in order"));
         signs[0] != Ordering::Equal && signs == [signs[0]; 3]
     })
 }
 
-fn is_seen(ray: &Ray<f32>, triangle: &Triangle<f32>, culling: Culling) -> bool {
+fn is_seen<P: Float>(ray: &Ray<P>, triangle: &Triangle<P>, culling: Culling) -> bool {
     Rational::scope(|| {
         let [a, b, c] = triangle.corners().map(rational);
         let along = rational(ray.d).dot((b - a).cross(c - a));
-        let zero = trisect_core::Scalar::from_f64(0.0);
+        let zero = Scalar::from_f64(0.0);
         match culling {
             Culling::None => true,
             Culling::Back => along < zero,
@@ -152,19 +157,20 @@ fn is_seen(ray: &Ray<f32>, triangle: &Triangle<f32>, culling: Culling) -> bool {
 }
 
 /// A triangle's id, `t`, `beta` and `gamma`; −0 and 0 are one answer.
-type Answer = (u32, [f32; 3]);
+type Answer = (u32, [f64; 3]);
 
-fn answer(&TriangleHit { triangle, hit: Hit { t, beta, gamma } }: &TriangleHit) -> Answer {
-    (triangle, [t, beta, gamma].map(|x| x + 0.0))
+fn answer<P: Float>(&TriangleHit { triangle, hit }: &TriangleHit<P>) -> Answer {
+    let Hit { t, beta, gamma } = hit;
+    (triangle, [t, beta, gamma].map(|x| x.to_f64() + 0.0))
 }
 
 /// All hits in their exact order, and whether each is owned.
-fn truth(
+fn truth<P: Precision>(
     oracle: &mut Oracle,
-    scene: &Scene,
-    ray: &Ray<f32>,
+    scene: &Scene<P>,
+    ray: &Ray<P>,
     culling: Culling,
-) -> Vec<(TriangleHit, bool)> {
+) -> Vec<(TriangleHit<P>, bool)> {
     let mut hits = vec![];
     for (id, triangle) in (0..).zip(&scene.triangles) {
         let answer = oracle.intersect(ray, triangle);
@@ -183,16 +189,24 @@ fn truth(
     hits
 }
 
+/// The next number that is larger in magnitude, or smaller if there is one.
+fn next<P: Float>(x: P, is_larger: bool) -> P {
+    let bits = x.bits64();
+    let is_zero = x.to_f64() == 0.0;
+    P::from_bits64(if is_larger || is_zero { bits + 1 } else { bits - 1 })
+}
+
 /// Where a point is, by a ray in no particular direction.
-fn true_place(oracle: &mut Oracle, scene: &Scene, point: Vec3<f32>) -> Place {
+fn true_place<P: Precision>(oracle: &mut Oracle, scene: &Scene<P>, point: Vec3<P>) -> Place {
+    let zero = P::from_f64(0.0);
     let still = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|d| Ray {
         o: point,
-        d: Vec3::from(d),
-        tmin: 0.0,
-        tmax: 0.0,
+        d: Vec3::from(d).map(P::from_f64),
+        tmin: zero,
+        tmax: zero,
     });
     let mut crossings = 0;
-    let ray = Ray { o: point, d: Vec3::new(3.0, -5.0, 0.5), tmin: 0.0, tmax: f32::INFINITY };
+    let ray = Ray::new(point, Vec3::new(3.0, -5.0, 0.5).map(P::from_f64));
     for triangle in &scene.triangles {
         if still.iter().any(|ray| oracle.classify(ray, triangle).is_hit()) {
             return Place::On;
@@ -203,9 +217,12 @@ fn true_place(oracle: &mut Oracle, scene: &Scene, point: Vec3<f32>) -> Place {
     if crossings % 2 == 1 { Place::Inside } else { Place::Outside }
 }
 
-/// Every kind of tree, and how it is traced.
-fn trees(triangles: &[Triangle<f32>]) -> Vec<(String, Box<dyn Tree>, Tracing)> {
-    let mut trees: Vec<(String, Box<dyn Tree>, Tracing)> = vec![];
+/// Trees, by name, and how they are traced.
+type Trees<P> = Vec<(String, Box<dyn Tree<P>>, Tracing)>;
+
+/// Every kind of tree.
+fn trees(triangles: &[Triangle<f32>]) -> Trees<f32> {
+    let mut trees: Trees<f32> = vec![];
     for builder in Builder::ALL {
         for tracing in [Tracing::Single, Tracing::Plain] {
             let tree = ErasedBvh::build::<ExactInTrees>(triangles, builder).expect("it takes all");
@@ -218,6 +235,18 @@ fn trees(triangles: &[Triangle<f32>]) -> Vec<(String, Box<dyn Tree>, Tracing)> {
     trees.push(("scalar".into(), Box::new(tree), Tracing::Plain));
     let every = EveryTriangle::<Exact>::new(triangles).expect("it takes all");
     trees.push(("no tree".into(), Box::new(every), Tracing::Plain));
+    trees
+}
+
+/// The same in f64.
+fn trees_f64(triangles: &[Triangle<f64>]) -> Trees<f64> {
+    let mut trees: Trees<f64> = vec![];
+    for builder in Builder::ALL {
+        for tracing in [Tracing::Single, Tracing::Plain] {
+            let tree = Bvh::<ExactInTrees, f64>::build(triangles, builder).expect("it takes all");
+            trees.push((format!("{builder}, {tracing:?}"), Box::new(tree), tracing));
+        }
+    }
     trees
 }
 
@@ -241,10 +270,14 @@ impl Total {
 
 /// Holds what each tree answers to so many rays and points of each scene to the truth. An answer is right if
 /// that of every tree is.
-fn check(seed: u64, count: usize) -> Total {
+fn check<P: Precision>(
+    seed: u64,
+    count: usize,
+    trees: impl Fn(&[Triangle<P>]) -> Trees<P>,
+) -> Total {
     let (mut total, mut oracle) = (Total::default(), Oracle::default());
     let mut stream = Stream::new("tracer/hits", seed);
-    for scene in scenes(&mut stream) {
+    for scene in scenes::<P>(&mut stream) {
         let trees = trees(&scene.triangles);
         let split =
             trees.iter().any(|(_, tree, _)| tree.statistics().references > scene.triangles.len());
@@ -263,7 +296,8 @@ fn check(seed: u64, count: usize) -> Total {
                     .filter(|(_, owned)| *owned || crossings == Crossings::Every)
                     .map(|(hit, _)| answer(hit))
                     .collect();
-                let is_line = ray.tmin < 0.0 && ray.tmax > 1.0 && culling == Culling::None;
+                let is_line =
+                    ray.tmin.to_f64() < 0.0 && ray.tmax.to_f64() > 1.0 && culling == Culling::None;
                 if scene.is_closed && is_line && crossings == Crossings::Owned {
                     assert_eq!(expected.len() % 2, 0, "{}: {ray:?}", scene.name);
                 }
@@ -278,11 +312,22 @@ fn check(seed: u64, count: usize) -> Total {
                 total.hold(is_all, || format!("all, {}", what()));
                 total.hold(is_count, || format!("count, {}", what()));
             }
+            let expected = truth.first().map(|(hit, _)| answer(hit));
+            let is_right = trees.iter().all(|(_, tree, tracing)| {
+                let (mut closest, mut any) = ([None], [false]);
+                tree.closest(*tracing, culling, &[ray], &mut closest);
+                tree.any(*tracing, culling, &[ray], &mut any);
+                let single = tree.closest_hit(culling, &ray);
+                closest[0].as_ref().map(answer) == expected
+                    && single.as_ref().map(answer) == expected
+                    && [any[0], tree.any_hit(culling, &ray)] == [expected.is_some(); 2]
+            });
+            total.hold(is_right, || format!("closest, {}: {ray:?}", scene.name));
             // A third of the triangles is there.
-            let is_there = |hit: &TriangleHit| hit.triangle.is_multiple_of(3);
+            let is_there = |hit: &TriangleHit<P>| hit.triangle.is_multiple_of(3);
             let expected = truth.iter().map(|(hit, _)| hit).find(|hit| is_there(hit)).map(answer);
             let is_right = trees.iter().all(|(_, tree, tracing)| {
-                let program = &mut |hit: &TriangleHit| {
+                let program = &mut |hit: &TriangleHit<P>| {
                     if is_there(hit) { Verdict::Accept } else { Verdict::Ignore }
                 };
                 tree.filtered(*tracing, culling, &ray, program).as_ref().map(answer) == expected
@@ -293,9 +338,7 @@ fn check(seed: u64, count: usize) -> Total {
             let (middle, size, step) = scene.around;
             let mut point = middle + vector(&mut stream, size, step);
             if stream.bits().is_multiple_of(2) {
-                let next =
-                    [f32::next_up, f32::next_down][usize::from(stream.bits().is_multiple_of(2))];
-                point = Vec3::new(next(point.x), point.y, point.z);
+                point.x = next(point.x, stream.bits().is_multiple_of(2));
             }
             let mut expected = true_place(&mut oracle, &scene, point);
             let by_every = point_in_solid(point, &scene.triangles);
@@ -313,9 +356,10 @@ fn check(seed: u64, count: usize) -> Total {
 
 #[test]
 fn answers_are_those_of_rational_arithmetic() {
-    let total = check(1, 150);
-    assert_eq!(total.wrong, 0, "{total:?}");
-    assert!(total.answers > 4000 && total.shared > 200, "{total:?}");
+    for total in [check(1, 150, trees), check(1, 150, trees_f64)] {
+        assert_eq!(total.wrong, 0, "{total:?}");
+        assert!(total.answers > 4000 && total.shared > 200, "{total:?}");
+    }
 }
 
 /// Run it with `--release --ignored --nocapture`; it prints what it finds.
@@ -324,10 +368,11 @@ fn answers_are_those_of_rational_arithmetic() {
 fn a_million_answers_are_those_of_rational_arithmetic() {
     let mut sum = Total::default();
     for seed in 2.. {
-        let Total { answers, wrong, shared } = check(seed, 1000);
-        sum.answers += answers;
-        sum.wrong += wrong;
-        sum.shared += shared;
+        for total in [check(seed, 1000, trees), check(seed, 1000, trees_f64)] {
+            sum.answers += total.answers;
+            sum.wrong += total.wrong;
+            sum.shared += total.shared;
+        }
         if sum.answers >= 1_000_000 {
             break;
         }
@@ -340,7 +385,7 @@ fn a_million_answers_are_those_of_rational_arithmetic() {
 #[test]
 fn batches_answer_as_calls_do_on_any_number_of_threads() {
     let mut stream = Stream::new("tracer/hits/threads", 1);
-    for scene in scenes(&mut stream).into_iter().step_by(2) {
+    for scene in scenes::<f32>(&mut stream).into_iter().step_by(2) {
         let rays = rays(&mut stream, &scene, 3000);
         let points: Vec<Vec3<f32>> = rays.iter().map(|ray| ray.o).collect();
         let tree = ErasedBvh::build::<ExactInTrees>(&scene.triangles, Builder::Spatial);
@@ -411,7 +456,7 @@ fn a_method_that_rounds_finds_what_it_finds_in_every_triangle() {
         sum
     }
     let mut stream = Stream::new("tracer/hits/rounded", 1);
-    for scene in scenes(&mut stream) {
+    for scene in scenes::<f32>(&mut stream) {
         // Where the numbers are large methods that round accept what is beside the boxes.
         if scene.name != "utm" {
             let rays = rays(&mut stream, &scene, 200);
@@ -429,7 +474,7 @@ fn a_method_that_rounds_finds_what_it_finds_in_every_triangle() {
 #[test]
 fn a_program_may_end_a_ray() {
     let mut stream = Stream::new("tracer/hits/end", 1);
-    let scene = scenes(&mut stream).swap_remove(0);
+    let scene = scenes::<f32>(&mut stream).swap_remove(0);
     let tree = ErasedBvh::build::<ExactInTrees>(&scene.triangles, Builder::Spatial);
     let tree = tree.expect("it takes all");
     let (tracing, culling, mut all, mut ended) = (Tracing::Single, Culling::None, vec![], 0);
@@ -452,19 +497,27 @@ fn a_program_may_end_a_ray() {
 /// Far apart, near zero and where nothing is.
 #[test]
 fn points_over_the_whole_range_are_placed() {
-    for scale in [1e-38, 1e-20, 1.0, 1e20, 3e38] {
-        let triangles = surface(&Surface::cube(2), scale, Vec3::new(0.0, 0.0, 0.0));
-        let tree = ErasedBvh::build::<ExactInTrees>(&triangles, Builder::Binned);
+    fn check<P: Precision>(scale: f64) {
+        let triangles = surface::<P>(&Surface::cube(2), scale, Vec3::new(0.0, 0.0, 0.0));
+        let tree = Bvh::<ExactInTrees, P>::build(&triangles, Builder::Binned);
         let tree = tree.expect("it takes all");
-        #[allow(clippy::cast_possible_truncation, reason = "any number will do")]
-        let side = triangles.iter().map(|t| t.a.x).fold(0.0, f32::max);
-        let at = |x: f32| tree.contains(Vec3::new(x, side * 0.25, -side * 0.25));
+        let side = triangles.iter().map(|t| t.a.x.to_f64()).fold(0.0, f64::max);
+        let number = P::from_f64;
+        let at = |x: P| tree.contains(Vec3::new(x, number(side * 0.25), number(-side * 0.25)));
+        let side = number(side);
         assert_eq!(at(side), Ok(Place::On), "{scale}");
-        assert_eq!(at(side.next_down()), Ok(Place::Inside), "{scale}");
-        assert_eq!(at(0.0), Ok(Place::Inside), "{scale}");
-        assert_eq!(at(side.next_up()), Ok(Place::Outside), "{scale}");
-        assert_eq!(at(f32::NAN), Ok(Place::Outside), "{scale}");
-        assert_eq!(at(f32::INFINITY), Ok(Place::Outside), "{scale}");
+        assert_eq!(at(next(side, false)), Ok(Place::Inside), "{scale}");
+        assert_eq!(at(number(0.0)), Ok(Place::Inside), "{scale}");
+        assert_eq!(at(next(side, true)), Ok(Place::Outside), "{scale}");
+        assert_eq!(at(number(f64::NAN)), Ok(Place::Outside), "{scale}");
+        assert_eq!(at(number(f64::INFINITY)), Ok(Place::Outside), "{scale}");
+    }
+    for scale in [1e-38, 1e-20, 1.0, 1e20, 3e38] {
+        check::<f32>(scale);
+        check::<f64>(scale);
+    }
+    for scale in [1e-307, 1e-160, 1e160, 1.7e308] {
+        check::<f64>(scale);
     }
     let nothing = ErasedBvh::build::<ExactInTrees>(&[], Builder::Binned).expect("it takes all");
     assert_eq!(nothing.contains(Vec3::new(0.0, 0.0, 0.0)), Ok(Place::Outside));

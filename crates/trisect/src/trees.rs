@@ -7,8 +7,7 @@ use trisect_moller_trumbore::MollerTrumbore;
 use trisect_tracer::{Builder, Bvh, Leaves, Tree};
 use trisect_watertight::Watertight;
 
-use crate::Triangle;
-use crate::precision::Scenes;
+use crate::{Precision, Triangle};
 
 /// Builds a tree over triangles, or says why the method does not take them.
 ///
@@ -23,8 +22,8 @@ pub const NAMES: [&str; 3] =
     [ExactInTrees::INFO.name, MollerTrumbore::INFO.name, <Watertight>::INFO.name];
 
 /// The function that builds the tree of a method of [`NAMES`].
-pub fn find(name: &str) -> Option<BuildTree> {
-    let builds = [f32::EXACT, f32::FAST, f32::WATERTIGHT];
+pub fn find<P: Precision>(name: &str) -> Option<BuildTree<P>> {
+    let builds = [P::EXACT, P::FAST, P::WATERTIGHT];
     NAMES.into_iter().zip(builds).find(|(other, _)| *other == name).map(|(_, build)| build)
 }
 

@@ -17,7 +17,7 @@ pub use generate::{
     primary, random, random_sharing, random_through_box, working_set,
 };
 pub use hall::hall;
-pub use points::read_points;
+pub use points::{PointsFile, read_points};
 pub use rays::{
     RaysError, RaysFile, RaysProblem, read_rays, read_rays_binary, read_rays_csv,
     read_rays_csv_with, read_rays_with, write_rays_binary, write_rays_csv,

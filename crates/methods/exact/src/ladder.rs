@@ -2,8 +2,9 @@
 
 use core::cmp::Ordering;
 
-use trisect_core::{Hit, Ray, Scalar, Triangle, Vec3};
+use trisect_core::{Hit, Lanes, Ray, Scalar, Triangle, Vec3};
 
+use crate::compensated;
 use crate::double::{self, Estimate};
 use crate::outcome::Outcome;
 use crate::whole::{self, Format, Volumes};
@@ -63,10 +64,10 @@ fn whole_outcome(precision: Precision, ray: &Ray<f64>, triangle: &Triangle<f64>)
 }
 
 /// `t`, `beta` and `gamma` of the hits at the places of some bits, rounded once to the nearest number of the
-/// precision; other places get anything. `pair` gives the pair at a place.
+/// precision; other places get anything. `pair` gives the pair at a place. `L` are lanes whose instructions are at hand.
 #[allow(clippy::needless_range_loop, reason = "a loop over places is spread over lanes")]
 #[inline(always)]
-pub(crate) fn values<X: Scalar, const N: usize>(
+pub(crate) fn values<L: Lanes, X: Scalar, const N: usize>(
     pair: impl Fn(usize) -> (Ray<f64>, Triangle<f64>),
     mut hits: u64,
     unit: f64,
@@ -74,7 +75,6 @@ pub(crate) fn values<X: Scalar, const N: usize>(
     let precision = const { Precision::of_size(size_of::<X>()) };
     let zeros = [X::from_f64(0.0); N];
     let mut hit = Hit { t: zeros, beta: zeros, gamma: zeros };
-    // The last bit of f64 cannot be told in the same precision.
     if precision == Precision::Single {
         let mut told = [0_u8; N];
         // All places, whatever is there: to bring hits together takes longer.
@@ -96,7 +96,14 @@ pub(crate) fn values<X: Scalar, const N: usize>(
         let place = hits.trailing_zeros() as usize % N;
         hits &= hits - 1;
         let (ray, triangle) = pair(place);
-        let [t, beta, gamma] = exact_values(precision, &ray, &triangle, unit).map(X::from_f64);
+        let (mut values, mut is_told) = ([0.0; 3], false);
+        if precision == Precision::Double {
+            (values, is_told) = compensated::values::<L>(&ray, &triangle);
+        }
+        if !is_told {
+            values = exact_values(precision, &ray, &triangle, unit);
+        }
+        let [t, beta, gamma] = values.map(X::from_f64);
         hit.t[place] = t;
         hit.beta[place] = beta;
         hit.gamma[place] = gamma;

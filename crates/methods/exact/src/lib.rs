@@ -12,6 +12,7 @@ use trisect_method::{
 };
 
 mod closest;
+mod compensated;
 mod double;
 mod filter;
 mod integer;
@@ -195,13 +196,13 @@ impl<W: Width, From: Normals> ExactMethod for Exact<W, From> {
     }
 
     #[inline(always)]
-    fn values<X: Scalar, const N: usize>(
+    fn values<L: Lanes, X: Scalar, const N: usize>(
         rays: &Ray<&[X; N]>,
         triangles: &Triangle<[X; N]>,
         hits: u64,
     ) -> Hit<[X; N]> {
         let Triangle { a, b, c } = triangles;
-        ladder::values(
+        ladder::values::<L, X, N>(
             #[inline(always)]
             |place| {
                 let (o, d) = (vector_at(rays.o, place), vector_at(rays.d, place));
@@ -299,7 +300,7 @@ fn values<X: Scalar>(pairs: &Unpacked<X>, hits: u64, unit: f64) -> Hit<[X; BLOCK
     let zeros = [X::from_f64(0.0); BLOCK];
     let mut all = Hit { t: zeros, beta: zeros, gamma: zeros };
     for lane in lanes_of(hits) {
-        let hit = ladder::values::<X, 1>(|_| pairs.pair(lane), 1, unit);
+        let hit = ladder::values::<X, X, 1>(|_| pairs.pair(lane), 1, unit);
         (all.t[lane], all.beta[lane], all.gamma[lane]) = (hit.t[0], hit.beta[0], hit.gamma[0]);
     }
     all

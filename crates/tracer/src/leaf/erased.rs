@@ -118,7 +118,7 @@ where
         let Self { blocks, token, ref mut hits, .. } = *self;
         token.run(
             #[inline(always)]
-            || Q::finish(blocks, rays, hits),
+            || Q::finish::<L, RAYS>(blocks, rays, hits),
         )
     }
 }

@@ -144,7 +144,7 @@ impl<M: ExactMethod, B: Boxes, F: Faces, P: Real> LeafQuery<M, P> for ExactClose
     /// has been written for a while. Rays are stored number by number already, so that only triangles have to be
     /// brought to them.
     #[inline(always)]
-    fn finish<'a, const N: usize>(
+    fn finish<'a, L: Lanes, const N: usize>(
         blocks: &Blocks<M, P>,
         rays: &impl Rays<P, N>,
         Hits { best, room: Values { corners, found } }: &'a mut Hits<Bounded<P>, Values<P, N>, N>,
@@ -169,7 +169,7 @@ impl<M: ExactMethod, B: Boxes, F: Faces, P: Real> LeafQuery<M, P> for ExactClose
             // Here, where the next triangle does not wait for it: ids are in a part of the block not yet seen.
             found[index].triangle = blocks.triangle(slot);
         }
-        let values = M::values(&rays.rows(), corners, hits);
+        let values = M::values::<L, P, N>(&rays.rows(), corners, hits);
         while hits != 0 {
             let index = hits.trailing_zeros() as usize % N;
             hits &= hits - 1;
@@ -291,6 +291,6 @@ fn values<M: ExactMethod, P: Real>(ray: &Ray<P>, prepared: &Of<M::Prepared, P>) 
     let Ray { o, d, tmin, tmax } = &rays;
     let rays = Ray { o: o.each_ref(), d: d.each_ref(), tmin, tmax };
     let Hit { t: [t], beta: [beta], gamma: [gamma] } =
-        M::values(&rays, &M::corners(prepared).map(|&x| [x]), 1);
+        M::values::<P, P, 1>(&rays, &M::corners(prepared).map(|&x| [x]), 1);
     Hit { t, beta, gamma }
 }

@@ -70,8 +70,8 @@ pub(crate) trait LeafQuery<M: Method, P: Real = f32>: Query {
         (false, which)
     }
 
-    /// What rays have found that have left the tree.
-    fn finish<'a, const N: usize>(
+    /// What rays have found that have left the tree. `L` are lanes whose instructions are at hand.
+    fn finish<'a, L: Lanes, const N: usize>(
         blocks: &Blocks<M, P>,
         rays: &impl Rays<P, N>,
         hits: &'a mut HitsOf<M, Self, P, N>,

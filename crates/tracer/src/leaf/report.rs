@@ -164,7 +164,7 @@ impl<M: ExactMethod, P: Real> ExactLeaves<P> for Blocks<M, P> {
                 Vec3::new(row(0), row(1), row(2))
             };
             let corners = Triangle { a: row(0), b: row(1), c: row(2) };
-            let values = M::values(&rays, &corners, (1 << hits.len()) - 1);
+            let values = M::values::<P, P, WIDTH>(&rays, &corners, (1 << hits.len()) - 1);
             for (lane, found) in hits.iter_mut().enumerate() {
                 let (t, beta, gamma) = (values.t[lane], values.beta[lane], values.gamma[lane]);
                 found.hit = Hit { t, beta, gamma };

@@ -201,7 +201,7 @@ impl<M: Method, B: Boxes, F: Faces, P: Real> LeafQuery<M, P> for Closest<B, F, P
     }
 
     #[inline(always)]
-    fn finish<'a, const N: usize>(
+    fn finish<'a, L: Lanes, const N: usize>(
         _: &Blocks<M, P>,
         _: &impl Rays<P, N>,
         hits: &'a mut Hits<TriangleHit<P>, (), N>,
@@ -275,7 +275,7 @@ impl<M: Method, B: Boxes, F: Faces, P: Real> LeafQuery<M, P> for Any<B, F> {
     }
 
     #[inline(always)]
-    fn finish<'a, const N: usize>(
+    fn finish<'a, L: Lanes, const N: usize>(
         _: &Blocks<M, P>,
         _: &impl Rays<P, N>,
         hits: &'a mut Hits<bool, (), N>,

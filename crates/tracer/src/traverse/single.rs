@@ -218,7 +218,7 @@ pub(crate) fn singly<'a, A: Target<'a, Q>, L: Lanes<Elem = f32>, Q: Query>(
         let some = work.rays.fill::<L, Q::Boxes>(token, rays.iter(), &whole, A::LINES);
         target.clear(&mut work.hits);
         go::<A, L, Q>(target, token, query, &mut work, &mut flights, some);
-        let of_batch = target.finish(&mut work);
+        let of_batch = target.finish::<L>(&mut work);
         if Q::ANY {
             give_out::<Q>(of_batch, found);
         } else {
@@ -260,7 +260,7 @@ pub(crate) fn one<'a, A: Target<'a, Q, 1>, L: Lanes<Elem = f32>, Q: Query>(
     stack::declare_room!(items, if Q::ANY { tree.depth + 1 } else { stack::room(tree.depth) });
     flight.waiting = Stack::new(items);
     while !flight.step::<A, L, Q, 1>(target, token, query, &mut work) {}
-    *found = Q::output(&target.finish(&mut work)[0]);
+    *found = Q::output(&target.finish::<L>(&mut work)[0]);
 }
 
 /// Writes down what rays have found.

@@ -37,8 +37,8 @@ pub(crate) trait Target<'a, Q: Query, const N: usize = RAYS>: Copy {
         leaf: Range<usize>,
     ) -> bool;
 
-    /// What rays have found that have left the tree.
-    fn finish(self, work: &mut Work<Self::Hits, N>) -> &[Q::Found; N];
+    /// What rays have found that have left the tree. `L` are lanes whose instructions are at hand.
+    fn finish<L: Lanes>(self, work: &mut Work<Self::Hits, N>) -> &[Q::Found; N];
 }
 
 /// A tree that packets of rays go through as well.
@@ -92,7 +92,7 @@ impl<'a, Q: Query<Found: 'a>> Target<'a, Q> for ThroughCalls<'a> {
     }
 
     #[inline(always)]
-    fn finish(self, Work { rays, hits }: &mut Work<Self::Hits>) -> &[Q::Found; RAYS] {
+    fn finish<L: Lanes>(self, Work { rays, hits }: &mut Work<Self::Hits>) -> &[Q::Found; RAYS] {
         hits.finish(rays)
     }
 }
