@@ -184,46 +184,54 @@ def installed():
     return there
 
 
+def single(array):
+    """The nearest of float32, so that nobody has to round it."""
+    return np.asarray(array, np.float32).astype(np.float64)
+
+
+def within_faces():
+    """Rays that run within the planes of a box's faces, along its axes and aslant, towards it and past it."""
+    for axis in range(3):
+        for side in (0.0, 1.0):
+            for angle in np.arange(0.0, 8.0):
+                ahead = np.rint(2 * np.array([np.cos(angle * np.pi / 4), np.sin(angle * np.pi / 4)]))
+                for place in (0.25, 0.5, 0.75):
+                    origin, direction = np.full(3, side), np.zeros(3)
+                    flat = [other for other in range(3) if other != axis]
+                    origin[flat], direction[flat] = place - ahead, ahead
+                    yield origin, direction
+
+
 def cases():
-    """Name, mesh, rays: what rounding decides, and what far coordinates lose."""
-    down = np.array([0.0, 0.0, -1.0])
+    """Name, mesh, rays: what rounding decides, and what far coordinates lose. All but terrain and what is far away is
+    given in numbers of float32."""
+    down, random = np.array([0.0, 0.0, -1.0]), np.random.default_rng(1)
+    falling = lambda origins: (origins, np.broadcast_to(down, origins.shape).copy())
     yield "grid, through vertices and edges", meshes.grid(16), meshes.rays_through_lattice(16, 2)
     vertices, faces = meshes.sphere(3)
-    yield "sphere from within, at vertices and edges", (vertices, faces), (
-        np.zeros((len(vertices) + 3 * len(faces), 3)),
-        np.concatenate([vertices, *(vertices[faces[:, [a, a - 1]]].mean(axis=1) for a in range(3))]),
-    )
+    round_, edges = (single(vertices), faces), np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2))
+    aims = np.concatenate([round_[0], round_[0][np.unique(edges, axis=0)].sum(axis=1)])
+    yield "sphere from within, at vertices and edges", round_, (np.zeros_like(aims), single(aims))
     hills = meshes.grid(40, lambda x, y: 0.1 * np.sin(9 * x) * np.cos(7 * y))
     terrain = hills[0] * 40 + [443_211.3, 5_411_873.7, 312.9], hills[1]
-    random = np.random.default_rng(1)
-    points = terrain[0][hills[1][random.integers(len(hills[1]), size=600)]]
+    corners = terrain[0][hills[1][random.integers(len(hills[1]), size=600)]]
     weights = random.dirichlet([1, 1, 1], 600)
-    above = (points * weights[..., None]).sum(axis=1) + [0, 0, 80]
-    yield "terrain in UTM coordinates", terrain, (above, np.broadcast_to(down, above.shape).copy())
+    yield "terrain in UTM coordinates", terrain, falling((corners * weights[..., None]).sum(axis=1) + [0, 0, 80])
     plate = meshes.box((0, 0, 0), (1e-3, 1e-3, 1e-6))
-    inside = random.uniform(1e-5, 9.9e-4, (200, 2))
-    yield "plate of 1 mm, wall of 1 µm", plate, (
-        np.column_stack([inside, np.full(200, 2e-6)]), np.broadcast_to(down, (200, 3)).copy()
-    )
-    yield "part of 1 µm", meshes.sphere(2, 1e-6), tuple(1e-6 * array for array in meshes.random_rays(200, 2))
-    line = np.linspace(-1, 2, 13)
-    flat = np.stack([line, np.ones(13), np.full(13, 3.0)], axis=1)
-    yield "rays in faces of a box", meshes.box(), (flat, np.broadcast_to(down, flat.shape).copy())
+    above = np.column_stack([random.uniform(1e-5, 9.9e-4, (200, 2)), np.full(200, 2e-6)])
+    yield "plate of 1 mm, wall of 1 µm", (single(plate[0]), plate[1]), falling(single(above))
+    part = meshes.sphere(2, 1e-6)
+    yield "part of 1 µm", (single(part[0]), part[1]), tuple(single(1e-6 * array) for array in meshes.random_rays(200, 2))
+    yield "rays within faces of a box", meshes.box(), tuple(map(np.array, zip(*within_faces())))
     origins, directions = meshes.random_rays(100, 3)
-    scale = np.repeat([1e4, 1e5, 1e6], 100)[:, None]
-    aims = np.tile(origins + directions, (3, 1))
-    far = np.tile(origins, (3, 1)) / 3 * scale
-    yield "from 1e4 to 1e6 away", (vertices, faces), (far, aims - far)
-    fan = np.linspace(0, 2 * np.pi, 1 << 11, endpoint=False)
-    rim = np.stack([np.cos(fan), np.sin(fan), np.sin(3 * fan) * 0.1], axis=1)
+    far = np.tile(origins, (3, 1)) / 3 * np.repeat([1e4, 1e5, 1e6], 100)[:, None]
+    yield "from 1e4 to 1e6 away", (vertices, faces), (far, np.tile(origins + directions, (3, 1)) - far)
+    angles = np.linspace(0, 2 * np.pi, 1 << 11, endpoint=False)
+    rim = np.stack([np.cos(angles), np.sin(angles), np.sin(3 * angles) * 0.1], axis=1)
     corner = np.arange(len(rim))
-    slivers = np.concatenate([rim, [[0.0, 0.0, 0.0]]]), np.stack(
-        [np.full(len(rim), len(rim)), corner, np.roll(corner, -1)], axis=1
-    )
-    near = random.normal(size=(400, 2)) * 1e-3
-    yield "slivers about a point", slivers, (
-        np.column_stack([near, np.full(400, 1.0)]), np.broadcast_to(down, (400, 3)).copy()
-    )
+    fan = np.stack([np.full(len(rim), len(rim)), corner, np.roll(corner, -1)], axis=1)
+    near = np.column_stack([random.normal(size=(400, 2)) * 1e-6, np.full(400, 1.0)])
+    yield "slivers about a point", (single(np.concatenate([rim, np.zeros((1, 3))])), fan), falling(single(near))
 
 
 def depths():
@@ -232,16 +240,17 @@ def depths():
     place = random.uniform(0.05, 0.95, (50, 2))
     place[:, 1] *= place[:, 0] * 0.9
     for name, count, distance in (("250 layers", 250, 0.01), ("40 coincident faces", 40, 0.0)):
-        origins = np.column_stack([place, np.full(50, 9.0)])
-        yield name, meshes.layers(count, distance), (origins, np.broadcast_to([0.0, 0.0, -1.0], (50, 3)).copy())
+        origins, (vertices, faces) = np.column_stack([place, np.full(50, 9.0)]), meshes.layers(count, distance)
+        yield name, (single(vertices), faces), (single(origins), np.broadcast_to([0.0, 0.0, -1.0], (50, 3)).copy())
 
 
 def solids():
     """Name, mesh, points of a lattice that shares planes with vertices, none of them on the surface."""
     line = np.linspace(-1, 1, 17)
     lattice = np.stack(np.meshgrid(line, line, line), -1).reshape(-1, 3)
-    yield "points in a sphere", meshes.sphere(3), lattice[::5]
-    yield "points in a box", meshes.box((-0.9, -0.9, -0.9), (0.9, 0.9, 0.9)), lattice[::5]
+    vertices, faces = meshes.sphere(3)
+    yield "points in a sphere", (single(vertices), faces), lattice[::5]
+    yield "points in a box", meshes.box((-0.875, -0.875, -0.875), (0.875, 0.875, 0.875)), lattice[::5]
 
 
 def wrongs(names, quick):
@@ -348,6 +357,10 @@ def main():
     parser.add_argument("--rounds", type=int, default=9, help="interleaved rounds of the race")
     parser.add_argument("--speeds", type=int, metavar="THREADS", help=argparse.SUPPRESS)
     asked = parser.parse_args()
+    processors = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+    if asked.speeds:
+        # Before any library counts them.
+        os.sched_setaffinity(0, processors[: asked.speeds])
     names = installed()
     rounds, size = (3, 200) if asked.quick else (asked.rounds, 500)
     if asked.speeds:
@@ -368,13 +381,11 @@ def main():
     total = lambda cell: "–" if cell is None else "+".join(map(str, cell.values())) if sum(cell.values()) else "0"
     table([(f"{row['case']} ({row['answers']})", row) for row in record["wrong"]], names, total)
     record["speed"] = {}
-    processors = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
     for threads in (1, 2):
         if len(processors) < threads:
             print(f"left out: speed on {threads} threads, as there are {len(processors)} processors", file=sys.stderr)
             continue
-        bound = ["taskset", "--cpu-list", ",".join(map(str, processors[:threads]))]
-        command = [*bound, sys.executable, __file__, "--speeds", str(threads), "--rounds", str(rounds)]
+        command = [sys.executable, __file__, "--speeds", str(threads), "--rounds", str(rounds)]
         command += ["--quick"] if asked.quick else []
         output = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
         record["speed"][threads] = json.loads(output)

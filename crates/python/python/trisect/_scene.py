@@ -14,7 +14,7 @@ Progress = Callable[[int, int], object]
 Cull = Literal["none", "back", "front"]
 Crossings = Literal["every", "owned"]
 
-_DTYPES = {"f32": np.dtype(np.float32), "f64": np.dtype(np.float64)}
+_DTYPES: dict[str, np.dtype[Any]] = {"f32": np.dtype(np.float32), "f64": np.dtype(np.float64)}
 
 
 class Hits(NamedTuple):

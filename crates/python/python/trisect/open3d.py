@@ -23,7 +23,7 @@ from ._scene import AllHits, Hits, Scene
 __all__ = ["RaycastingScene", "Tensor"]
 
 
-class Tensor(np.ndarray):  # type: ignore[type-arg]
+class Tensor(np.ndarray[Any, np.dtype[Any]]):
     """An array, which also answers to `.numpy()` as a tensor of open3d does."""
 
     def numpy(self) -> npt.NDArray[Any]:
@@ -159,11 +159,10 @@ class RaycastingScene:
 
     def _ids(self, hits: Hits | AllHits) -> tuple[Tensor, Tensor]:
         geometry = np.searchsorted(self._starts, hits.triangle, side="right") - 1
-        is_none = hits.triangle < 0
         primitive = hits.triangle - self._starts[geometry]
-        ids = (np.where(is_none, self.INVALID_ID, which).astype(np.uint32) for which in (geometry, primitive))
-        geometry, primitive = ids
-        return _tensor(geometry), _tensor(primitive)
+        for ids in (geometry, primitive):
+            ids[hits.triangle < 0] = self.INVALID_ID
+        return _tensor(geometry.astype(np.uint32)), _tensor(primitive.astype(np.uint32))
 
 
 def _array(given: Any) -> npt.NDArray[Any]:
