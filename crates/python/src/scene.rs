@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use numpy::ndarray::ArrayView2;
 use numpy::{
-    PyArray1, PyArray2, PyArrayDescr, PyArrayMethods, PyReadonlyArray2, PyReadwriteArray1, dtype,
+    PyArray1, PyArray2, PyArrayDescr, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyReadwriteArray1, dtype,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -144,6 +145,17 @@ impl RawScene {
 
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         either!(&*self.state(), built => rows(py, &built.faces))
+    }
+
+    /// The points of hits, in rows of three; NaN for none.
+    fn points<'py>(
+        &self,
+        py: Python<'py>,
+        triangle: PyReadonlyArray1<'py, i32>,
+        u: Bound<'py, PyAny>,
+        v: Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, &either!(&*self.state(), built => built.points(&triangle, &u, &v)?))
     }
 
     fn statistics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -288,6 +300,32 @@ impl<X: Number> Built<X> {
             Err(UpdateError::Refit(_)) => Ok(false),
             Err(error) => Err(error),
         }
+    }
+
+    fn points(
+        &self,
+        triangle: &PyReadonlyArray1<i32>,
+        u: &Bound<PyAny>,
+        v: &Bound<PyAny>,
+    ) -> PyResult<Vec<[f64; 3]>> {
+        let (u, v) = (u.extract::<PyReadonlyArray1<X>>()?, v.extract::<PyReadonlyArray1<X>>()?);
+        let (u, v) = (u.as_array(), v.as_array());
+        let triangle = triangle.as_array();
+        same(triangle.len(), &[u.len(), v.len()])?;
+        let point = |((&triangle, &u), &v): ((&i32, &X), &X)| {
+            let Ok(triangle) = usize::try_from(triangle) else { return Ok([f64::NAN; 3]) };
+            let Some(face) = self.faces.get(triangle) else {
+                let faces = self.faces.len();
+                let message = format!("a hit names triangle {triangle}, but there are {faces}");
+                return Err(PyValueError::new_err(message));
+            };
+            let corners = face.map(|vertex| self.vertices[vertex as usize].map(X::to_f64));
+            let (u, v) = (u.to_f64(), v.to_f64());
+            let weights = [1.0 - u - v, u, v];
+            // Weights of all three corners, not steps from the first: no term is larger than its corner.
+            Ok([0, 1, 2].map(|axis| (0..3).map(|k| weights[k] * corners[k][axis]).sum()))
+        };
+        triangle.iter().zip(u).zip(v).map(point).collect()
     }
 
     fn first(&self, watch: &Watch, rays: PyRays, how: &PyHow, out: FirstOut) -> PyResult<()> {

@@ -323,14 +323,9 @@ class Scene:
         >>> scene.points(scene.first([[0.25, 0.5, 1.0]], [0.0, 0.0, -1.0]))
         array([[0.25, 0.5 , 0.  ]])
         """
-        triangle = np.asarray(hits.triangle)
-        corners = self.vertices.astype(np.float64, copy=False)[self.faces[triangle]]
-        u, v = (np.asarray(weight, np.float64)[..., None] for weight in (hits.u, hits.v))
-        a, b, c = (corners[..., corner, :] for corner in range(3))
-        # As weights of all three corners, not as steps from the first: no term is larger than its corner.
-        points = (1 - u - v) * a + u * b + v * c
-        points[triangle < 0] = np.nan
-        return points
+        shape = np.shape(hits.triangle)
+        u, v = (np.ravel(np.asarray(weight, self.dtype)) for weight in (hits.u, hits.v))
+        return self._raw.points(np.ravel(np.asarray(hits.triangle, np.int32)), u, v).reshape(*shape, 3)
 
     @property
     def vertices(self) -> npt.NDArray[Any]:
