@@ -326,7 +326,7 @@ pub(crate) fn upwards<P: Real>(point: Vec3<P>) -> Ray<P> {
 }
 
 /// The ray with its interval as leaves take it.
-fn as_tested<P: Real>(ray: &Ray<P>) -> Ray<P> {
+pub(crate) fn as_tested<P: Real>(ray: &Ray<P>) -> Ray<P> {
     let Interval { tmin, tmax } = Interval::of(ray);
     Ray { tmin, tmax, ..*ray }
 }

@@ -41,7 +41,7 @@ pub trait Real: Float {
     /// The triangles as boxes are built around them, and where they are for that.
     fn in_frame(triangles: &[Triangle<Self>]) -> (Cow<'_, [Triangle<f32>]>, Option<Frame>);
 
-    /// A ray as it goes through the boxes.
+    /// A ray as it goes through the boxes. Its interval is [as leaves take it](trisect_method::Interval::of).
     fn enter(frame: Option<&Frame>, ray: &Ray<Self>) -> Entry<Self>;
 
     /// Where a ray ends among the boxes that ends at `t`; not before it.
@@ -141,7 +141,10 @@ impl Real for f64 {
 
     #[inline(always)]
     fn enter(frame: Option<&Frame>, ray: &Ray<f64>) -> Entry<f64> {
-        frame.map_or(Entry::Everywhere, |frame| frame.enter(ray))
+        match frame {
+            Some(frame) => frame.enter(ray),
+            None => Entry::Everywhere,
+        }
     }
 
     #[inline(always)]

@@ -4,14 +4,14 @@
 use std::ops::Range;
 
 use trisect_core::{Lanes, Ray, Token, Triangle};
-use trisect_method::{Culling, ExactMethod, Interval, Method, Refine, UnsuitableMesh};
+use trisect_method::{Culling, ExactMethod, Method, Refine, UnsuitableMesh};
 
 use crate::bvh::builders::settings::{Builder, Leaves};
 use crate::bvh::frame::Span;
 use crate::bvh::wide::WideTree;
 use crate::dispatch::{Tracing, assert_room};
 use crate::hit::TriangleHit;
-use crate::hits::{Crossings, Source, Verdict, lanes_of};
+use crate::hits::{Crossings, Source, Verdict, as_tested, lanes_of};
 use crate::lanes::on_fast_lanes;
 use crate::leaf::blocks::Blocks;
 use crate::leaf::erased::{LeafData, MethodLeaves};
@@ -78,8 +78,7 @@ impl<M: Method, K: Queries<M, f64>> TreeOf<M, K> {
         ray: &Ray<f64>,
         found: &mut Q::Output,
     ) -> Option<()> {
-        let Interval { tmin, tmax } = Interval::of(ray);
-        let ray = Ray { tmin, tmax, ..*ray };
+        let ray = as_tested(ray);
         match f64::enter(self.tree.frame.as_ref(), &ray) {
             Entry::Missed => Some(()),
             Entry::Boxes(boxed, span) => {

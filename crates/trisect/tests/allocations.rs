@@ -1,6 +1,6 @@
 //! A ray that is asked about alone allocates nothing.
 
-use trisect::{Culling, Scene, Verdict};
+use trisect::{Culling, Precision, Ray, Scene, Triangle, Verdict};
 use trisect_workloads::{Mesh, random_through_box};
 
 #[test]
@@ -12,16 +12,28 @@ fn single_rays_allocate_nothing() {
     }
     let bunny = Mesh::bunny();
     let rays = random_through_box(1, &bunny, 1000).rays;
+    check(&bunny.triangles, &rays);
+    let triangles: Vec<_> = bunny.triangles.iter().map(|&triangle| triangle.into()).collect();
+    let rays: Vec<_> = rays.into_iter().map(Ray::from).collect();
+    check::<f64>(&triangles, &rays);
+    // The count counts.
+    assert_eq!(
+        allocation_counter::measure(|| drop(std::hint::black_box(Box::new(1)))).count_total,
+        1
+    );
+}
+
+fn check<P: Precision>(triangles: &[Triangle<P>], rays: &[Ray<P>]) {
     for options in
         [Scene::options(), Scene::options().fast(), Scene::options().watertight().moving()]
     {
-        let scene = options.from_triangles(&bunny.triangles).expect("it takes all");
+        let scene = options.from_triangles(triangles).expect("it takes all");
         for culling in [Culling::None, Culling::Back, Culling::Front] {
             let view = scene.seen(culling);
             let mut all = vec![];
             let mut ask = || {
                 let mut hits = 0;
-                for ray in &rays {
+                for ray in rays {
                     let hit = view.first(ray);
                     assert_eq!(hit.is_some(), view.any(ray));
                     hits += usize::from(hit.is_some());
@@ -38,9 +50,4 @@ fn single_rays_allocate_nothing() {
             assert!(hits > 100);
         }
     }
-    // The count counts.
-    assert_eq!(
-        allocation_counter::measure(|| drop(std::hint::black_box(Box::new(1)))).count_total,
-        1
-    );
 }

@@ -3,27 +3,27 @@
 use std::thread;
 
 use trisect::{
-    Crossings, Culling, Hit, Place, Ray, Scene, SceneError, SceneOptions, Triangle, UpdateError,
-    Vec3, Verdict,
+    Crossings, Culling, Hit, Place, Precision, Ray, Scene, SceneError, SceneOptions, Triangle,
+    UpdateError, Vec3, Verdict,
 };
 use trisect_workloads::{Aim, Mesh, Placement, Stress, Surface, primary, random_through_box};
 
 /// The same mesh by every method.
-fn scenes(triangles: &[Triangle]) -> [Scene; 3] {
-    let options: [fn(SceneOptions) -> SceneOptions; 3] =
+fn scenes<P: Precision>(triangles: &[Triangle<P>]) -> [Scene<P>; 3] {
+    let options: [fn(SceneOptions<P>) -> SceneOptions<P>; 3] =
         [SceneOptions::exact, SceneOptions::fast, SceneOptions::watertight];
     options.map(|of| of(Scene::options()).from_triangles(triangles).expect("it takes all"))
 }
 
 /// Bits of all numbers, so that NaN and zeros of both signs are told apart.
-fn bits(hit: Option<Hit>) -> Option<[u32; 5]> {
-    let number = f32::to_bits;
+fn bits<P: Precision>(hit: Option<Hit<P>>) -> Option<[u64; 5]> {
+    let number = P::bits64;
     hit.map(|Hit { triangle, t, alpha, beta, gamma }| {
-        [triangle, number(t), number(alpha), number(beta), number(gamma)]
+        [triangle.into(), number(t), number(alpha), number(beta), number(gamma)]
     })
 }
 
-fn agree(triangles: &[Triangle], rays: &[Ray]) {
+fn agree_in<P: Precision>(triangles: &[Triangle<P>], rays: &[Ray<P>]) {
     for scene in scenes(triangles) {
         for culling in [Culling::None, Culling::Back, Culling::Front] {
             let view = scene.seen(culling);
@@ -37,6 +37,36 @@ fn agree(triangles: &[Triangle], rays: &[Ray]) {
             }
         }
     }
+}
+
+/// In both precisions, between which the exact method decides alike.
+fn agree(triangles: &[Triangle], rays: &[Ray]) {
+    agree_in(triangles, rays);
+    let (wide, wide_rays) = widened(triangles, rays);
+    agree_in(&wide, &wide_rays);
+    let narrow = Scene::from_triangles(triangles).expect("it takes all");
+    let wide = Scene::from_triangles(&wide).expect("it takes all");
+    for (ray, wide_ray) in rays.iter().zip(&wide_rays) {
+        // No `t` that counts in f32 is beyond half its largest number.
+        let most = f64::from(f32::MAX / 2.0);
+        let tmax = if wide_ray.tmax > most { most } else { wide_ray.tmax };
+        let tmin = if wide_ray.tmin < -most { -most } else { wide_ray.tmin };
+        let wide_hit = wide.first(&wide_ray.with_interval(tmin, tmax));
+        let hit = narrow.first(ray);
+        assert_eq!(hit.map(|hit| hit.triangle), wide_hit.map(|hit| hit.triangle), "{ray:?}");
+        #[allow(clippy::cast_possible_truncation, reason = "rounds")]
+        if let (Some(hit), Some(wide_hit)) = (hit, wide_hit) {
+            let off = (f64::from(hit.t) - wide_hit.t).abs();
+            let size =
+                f64::from(hit.t.abs()) * f64::from(f32::EPSILON) + f64::from(f32::MIN_POSITIVE);
+            assert!(off <= size, "{ray:?}");
+        }
+    }
+}
+
+fn widened(triangles: &[Triangle], rays: &[Ray]) -> (Vec<Triangle<f64>>, Vec<Ray<f64>>) {
+    let triangles = triangles.iter().map(|&triangle| triangle.into()).collect();
+    (triangles, rays.iter().map(|&ray| ray.into()).collect())
 }
 
 #[test]
@@ -198,10 +228,16 @@ fn a_scene_that_moves_answers_as_a_new_one() {
 fn queries_agree_on_what_is_hit() {
     let bunny = Mesh::bunny();
     let rays = random_through_box(4, &bunny, 500).rays;
-    for (number, scene) in scenes(&bunny.triangles).iter().enumerate() {
+    queries_agree(&bunny.triangles, &rays);
+    let (triangles, rays) = widened(&bunny.triangles, &rays);
+    queries_agree(&triangles, &rays);
+}
+
+fn queries_agree<P: Precision>(triangles: &[Triangle<P>], rays: &[Ray<P>]) {
+    for (number, scene) in scenes(triangles).iter().enumerate() {
         for view in [scene.seen(Culling::None), scene.seen(Culling::Back)] {
-            let (all_of, mut counts) = (view.all_of(&rays), vec![0; rays.len()]);
-            view.count_of(&rays, &mut counts);
+            let (all_of, mut counts) = (view.all_of(rays), vec![0; rays.len()]);
+            view.count_of(rays, &mut counts);
             let (mut hits, mut several) = (vec![], 0);
             for (place, ray) in rays.iter().enumerate() {
                 view.all(ray, &mut hits);
@@ -254,4 +290,85 @@ fn a_point_is_inside_on_or_outside() {
     let fast = Scene::options().fast().from_triangles(&triangles).expect("sound");
     let error = fast.contains([0.0; 3]).expect_err("it rounds");
     assert!(error.to_string().contains("exact"), "{error}");
+}
+
+/// A square of meters far from zero, in coordinates that f32 does not hold.
+fn far_square() -> ([[f64; 3]; 4], [[u32; 3]; 2]) {
+    let (x, y) = (448_262.125, 5_411_932.687_5);
+    let vertices = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    (vertices.map(|[u, v]| [x + u, y + v, 320.1]), [[0, 1, 2], [0, 2, 3]])
+}
+
+#[test]
+fn a_scene_of_f64_is_far_from_zero() {
+    let (vertices, faces) = far_square();
+    let scene = Scene::<f64>::new(&vertices, &faces).expect("sound");
+    let fast = Scene::<f64>::options().fast().build(&vertices, &faces).expect("sound");
+    let rounded = Scene::<f32>::options().build_rounded(&vertices, &faces).expect("sound");
+    let down = |u: f64, v: f64| {
+        Ray::new([vertices[0][0] + u, vertices[0][1] + v, 330.1], [0.0, 0.0, -2.0])
+    };
+    for scene in [&scene, &fast, &rounded] {
+        let hit = scene.first(&down(0.75, 0.25)).expect("it is above the first triangle");
+        assert_eq!(hit.triangle, 0);
+        for (found, expected) in
+            [(hit.t, 5.0), (hit.alpha, 0.25), (hit.beta, 0.5), (hit.gamma, 0.25)]
+        {
+            assert!((found - expected).abs() < 1e-6, "{hit:?}");
+        }
+        let [x, y, z] = hit.point(scene);
+        let off = [x - vertices[0][0] - 0.75, y - vertices[0][1] - 0.25, z - 320.1];
+        assert!(off.iter().all(|off| off.abs() < 1e-6), "{off:?}");
+        assert_eq!(hit.normal(scene), [0.0, 0.0, 1.0]);
+        assert!(scene.any(&down(0.25, 0.75)) && !scene.any(&down(1.001, 0.5)));
+        let (mut all, ray) = (vec![], down(0.5, 0.25));
+        scene.all(&ray, &mut all);
+        assert_eq!((all.len(), scene.count(&ray)), (1, 1));
+        assert_eq!(scene.filtered(&ray, |_| Verdict::Accept), scene.first(&ray));
+        assert_eq!(scene.first_but(&ray, 0), None);
+        let (mut firsts, mut anys) = ([None; 2], [false; 2]);
+        let rays = [ray, down(-0.001, 0.5)];
+        scene.first_of(&rays, &mut firsts);
+        scene.any_of(&rays, &mut anys);
+        assert_eq!((firsts, anys), ([scene.first(&ray), None], [true, false]));
+    }
+    // Along the diagonal both are hit, and one owns the crossing.
+    for scene in [&scene, &rounded] {
+        let ray = down(0.5, 0.5);
+        assert_eq!(scene.count(&ray), 2);
+        assert_eq!(scene.crossings(Crossings::Owned).count(&ray), 1);
+    }
+}
+
+#[test]
+fn a_scene_of_f64_moves() {
+    let (vertices, faces) = far_square();
+    let moved = vertices.map(|[x, y, z]| [x + 1e3, y, z + 0.125 * (x - 448_262.0)]);
+    let fresh = Scene::<f64>::new(&moved, &faces).expect("sound");
+    let exact = Scene::<f64>::options().moving().build(&vertices, &faces).expect("sound");
+    let rounded = Scene::<f32>::options().moving().build_rounded(&vertices, &faces).expect("sound");
+    for mut scene in [exact, rounded] {
+        scene.update(&moved).expect("as many");
+        let ray = Ray::new([moved[0][0] + 0.25, moved[0][1] + 0.5, 400.0], [0.0, 0.0, -1.0]);
+        let (found, expected) = (scene.first(&ray).expect("a hit"), fresh.first(&ray));
+        let expected = expected.expect("a hit");
+        assert_eq!(found.triangle, expected.triangle);
+        assert!((found.t - expected.t).abs() < 1e-4, "{found:?} {expected:?}");
+        let error = scene.update(&moved[1..]).expect_err("one is missing");
+        assert!(matches!(error, UpdateError::Count { made: 4, given: 3 }), "{error}");
+    }
+}
+
+#[test]
+fn files_keep_their_f64() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("far.obj");
+    let (vertices, _) = far_square();
+    let lines = vertices.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
+    std::fs::write(&file, lines + "f 1 2 3\nf 1 3 4\n").expect("it is writable");
+    let scene = Scene::open_f64(&file).expect("a sound file");
+    let corners: Vec<[f64; 3]> =
+        scene.triangles()[0].corners().into_iter().map(Vec3::to_array).collect();
+    assert_eq!(corners, vertices[..3]);
+    assert_eq!(Scene::open(&file).expect("a sound file").triangles().len(), 2);
 }

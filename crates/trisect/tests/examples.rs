@@ -77,6 +77,20 @@ fn moving_mesh() {
 }
 
 #[test]
+fn terrain() {
+    let text = printed("terrain");
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 3, "{text}");
+    // Within half a centimeter of the height that the corners are put at.
+    for (line, [x, y]) in lines.iter().zip([[12.3, 45.6], [78.9, 10.1]]) {
+        let expected = 320.0 + 12.0 * f64::sin(x / 37.0) * f64::cos(y / 29.0);
+        let height = line.split(' ').rev().nth(2).and_then(|height| height.parse::<f64>().ok());
+        assert!(height.is_some_and(|height| (height - expected).abs() < 5e-3), "{text}");
+    }
+    assert!(lines[2].ends_with("beyond the terrain"), "{text}");
+}
+
+#[test]
 fn own_method() {
     let expected = "Some(Hit { triangle: 0, t: 1.0, alpha: 0.5, beta: 0.25, gamma: 0.25 })\n";
     assert_eq!(printed("own_method"), expected);

@@ -150,8 +150,8 @@ mod tests {
         let (mut hits, mut told) = (0, 0);
         for _ in 0..20_000 {
             let far = [1.0, 1e-3, 1e6][usize::try_from(stream.bits() % 3).unwrap_or(0)];
-            let offset = Vec3::from(stream.cube()).scale(far);
-            let mut point = || Vec3::from(stream.cube()) + offset;
+            let offset = stream.cube().scale(far);
+            let mut point = || stream.cube() + offset;
             let triangle = Triangle { a: point(), b: point(), c: point() };
             let middle = (triangle.a + triangle.b + triangle.c).scale(1.0 / 3.0);
             let o = point();

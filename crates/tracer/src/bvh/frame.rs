@@ -27,7 +27,6 @@
 //! triangles: these are more than 2⁴⁰ units away, or nearly.
 
 use trisect_core::{Ray, Triangle, Vec3};
-use trisect_method::Interval;
 
 use crate::parallel::each;
 use crate::precision::Entry;
@@ -87,7 +86,10 @@ fn down(x: f64) -> f32 {
 /// The largest magnitude of a coordinate.
 #[inline(always)]
 fn largest(v: Vec3<f64>) -> f64 {
-    v.x.abs().max(v.y.abs()).max(v.z.abs())
+    // Not `f64::max`, which minds NaN and is no single instruction: where there is one the result may be anything.
+    let Vec3 { x, y, z } = v.map(f64::abs);
+    let most = if x > y { x } else { y };
+    if z > most { z } else { most }
 }
 
 #[allow(clippy::cast_possible_truncation, reason = "rounds")]
@@ -108,7 +110,8 @@ impl Frame {
         let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for triangle in triangles {
             // Whether it has an area plays no part here.
-            if triangle.corners().iter().all(|corner| largest(*corner) < f64::INFINITY) {
+            let is_finite = |corner: Vec3<f64>| corner.to_array().iter().all(|x| x.is_finite());
+            if triangle.corners().into_iter().all(is_finite) {
                 for corner in triangle.corners() {
                     for (axis, x) in corner.to_array().into_iter().enumerate() {
                         (min[axis], max[axis]) = (min[axis].min(x), max[axis].max(x));
@@ -150,10 +153,10 @@ impl Frame {
         (point - self.center).scale(self.scale)
     }
 
-    /// A ray in the frame.
+    /// A ray in the frame, whose interval is [as leaves take it](trisect_method::Interval::of).
     #[inline(always)]
     pub(crate) fn enter(&self, ray: &Ray<f64>) -> Entry<f64> {
-        let Interval { tmin, tmax } = Interval::of(ray);
+        let Ray { tmin, tmax, .. } = *ray;
         let fastest = largest(ray.d);
         // Not so where an end is NaN.
         if !(tmin <= tmax && fastest > 0.0) {
@@ -164,12 +167,12 @@ impl Frame {
         let speed = f64::from_bits((2046 - exponent) << 52);
         let unit = f64::from_bits(exponent << 52) * self.scale;
         let d = ray.d.scale(speed);
-        let is_usual = (1.0..2.0).contains(&largest(d)) && unit.is_normal();
+        let is_usual = (1.0..2.0).contains(&(fastest * speed)) && unit.is_normal();
         if !is_usual {
             return Entry::Everywhere;
         }
         let o = self.bring(ray.o);
-        if !(largest(o) <= NEAR) {
+        if largest(o) > NEAR {
             return self.enter_from_afar(ray, d, (tmin, tmax), unit);
         }
         let (tmin, tmax) = (down(tmin * unit), up(tmax * unit));

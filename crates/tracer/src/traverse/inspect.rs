@@ -10,7 +10,7 @@ use trisect_method::Culling;
 
 use super::walk::Walk;
 use crate::hit::TriangleHit;
-use crate::hits::{Crossings, Source, Tests, Verdict};
+use crate::hits::{Crossings, Source, Tests, Verdict, as_tested};
 use crate::lanes::PlainLanes;
 use crate::precision::{Entry, Precision};
 use crate::traced::TracedIn;
@@ -56,6 +56,7 @@ pub(crate) fn candidates<P: Precision>(
     visit: &mut dyn FnMut(u32) -> P,
 ) {
     let (tree, leaves) = (traced.tree(), traced.leaves());
+    let ray = &as_tested(ray);
     let mut tmax = ray.tmax;
     let mut leaf = |blocks: Range<usize>| {
         for block in blocks {
