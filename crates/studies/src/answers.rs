@@ -37,8 +37,11 @@ pub(crate) type Quantity = fn(&Hit<f64>) -> f64;
 pub(crate) const QUANTITIES: [(&str, Quantity); 3] =
     [("t", |hit| hit.t), ("beta", |hit| hit.beta), ("gamma", |hit| hit.gamma)];
 
-/// How far rounding can move each of them.
-pub(crate) const CONDITIONS: [fn(&Condition) -> f64; 3] = [|of| of.t, |of| of.beta, |of| of.gamma];
+/// How far rounding can move one of them.
+pub(crate) type ConditionOf = fn(&Condition) -> f64;
+
+/// The same of each that is compared.
+pub(crate) const CONDITIONS: [ConditionOf; 3] = [|of| of.t, |of| of.beta, |of| of.gamma];
 
 impl Answers {
     pub(crate) fn of(finder: &Finder, scene: &Scene) -> Self {
@@ -127,7 +130,7 @@ impl Answers {
     pub(crate) fn over_condition(
         &self,
         truth: &[Truth],
-        (quantity, condition): (Quantity, fn(&Condition) -> f64),
+        (quantity, condition): (Quantity, ConditionOf),
         unit_roundoff: f64,
     ) -> Quantiles {
         let errors = self.pairs.iter().filter_map(|pair| {

@@ -87,7 +87,10 @@ pub(super) fn draw_map(root: &Area, map: &Map, panel: Place) -> Drawn {
     let at = |column: usize| left + px(column) * cell + cell / 2;
     title(root, &map.title, panel)?;
     let mut y = panel.top + TITLE;
-    for (column, head) in map.columns.iter().enumerate() {
+    let widest = map.columns.iter().map(|head| text_width(head, TEXT)).max().unwrap_or(0);
+    // As many heads as have room.
+    let step = usize::try_from((widest + 4) / cell.max(1) + 1).unwrap_or(1);
+    for (column, head) in map.columns.iter().enumerate().step_by(step) {
         text(root, head, (at(column), y + HEADING / 2), Ink::Muted, HPos::Center)?;
     }
     y += HEADING;

@@ -9,14 +9,13 @@ use trisect_core::{FloatFormat, MultiplyAdd, Precision, Ray, Triangle};
 use trisect_formula::Ops;
 use trisect_kernels::Arrangement;
 use trisect_method::{Claims, Output, ReciprocalKind};
-use trisect_oracle::Condition;
 
 use super::record::{
     Agreement, Cracks, Decisions, Error, Family, MethodCount, MethodFacts, PartCost, Preparation,
     Refusal, Throughput, Workload,
 };
 use super::tasks::{Task, Timed};
-use crate::answers::{Answers, CONDITIONS, Pair, QUANTITIES, Quantity};
+use crate::answers::{Answers, CONDITIONS, ConditionOf, Pair, QUANTITIES, Quantity};
 use crate::kernels::{Group, REFERENCE, answers_of_widest, contenders};
 use crate::record::Line;
 use crate::study::Run;
@@ -386,9 +385,7 @@ impl Answered {
     }
 
     /// What the method gives that has an error.
-    fn quantities(
-        &self,
-    ) -> impl Iterator<Item = ((&'static str, Quantity), fn(&Condition) -> f64)> {
+    fn quantities(&self) -> impl Iterator<Item = ((&'static str, Quantity), ConditionOf)> {
         QUANTITIES.into_iter().zip(CONDITIONS).take(if self.weighs { 3 } else { 1 })
     }
 }

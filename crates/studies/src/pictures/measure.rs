@@ -317,7 +317,7 @@ impl Drawing<'_, '_> {
                 _ => Ok(None),
             });
             let pools = pools.collect::<Result<Vec<_>, _>>()?;
-            for level in 0..LEVELS.len() {
+            for (level, (name, ..)) in LEVELS.into_iter().enumerate() {
                 let contender = |place: usize| {
                     let (row, pool) = (&rows[place], &pools[place]);
                     let (leaves, stage) = match series {
@@ -342,7 +342,6 @@ impl Drawing<'_, '_> {
                 };
                 let mut contenders: Vec<_> = (0..rows.len()).filter_map(contender).collect();
                 let steps = contenders.len() * (self.study.rounds + 1);
-                let (name, ..) = LEVELS[level];
                 self.run.progress.phase(&format!("Morozov's {name} pictures"), steps as u64);
                 self.race(&mut contenders)?;
                 let frames = contenders.into_iter().map(|contender| contender.frames.into());

@@ -62,12 +62,12 @@ fn pages_work_in_a_browser() {
 /// Each figure has a name and a description, and each picture a name.
 fn has_text_alternatives(browser: &mut Browser, at: &str) {
     let nameless = browser.value(
-        r##"Array.from(document.querySelectorAll("figure svg, img")).filter((figure) => {
+        r#"Array.from(document.querySelectorAll("figure svg, img")).filter((figure) => {
             if (figure.tagName === "IMG") return !figure.alt;
             const ids = (figure.getAttribute("aria-labelledby") || "").split(" ");
             const is_named = ids.length === 2 && ids.every((id) => document.getElementById(id)?.textContent);
             return !is_named || !["img", "group"].includes(figure.getAttribute("role"));
-        }).map((figure) => figure.outerHTML.slice(0, 200))"##,
+        }).map((figure) => figure.outerHTML.slice(0, 200))"#,
     );
     assert_eq!(texts(&nameless), [""; 0], "{at}: without a text alternative");
 }
@@ -81,13 +81,13 @@ fn has_contents(browser: &mut Browser, at: &str, is_folded: bool) {
         browser.press("Tab");
     }
     let places = browser.value(
-        r##"Array.from(document.querySelectorAll("nav ol a")).map((link) => link.getAttribute("href"))"##,
+        r#"Array.from(document.querySelectorAll("nav ol a")).map((link) => link.getAttribute("href"))"#,
     );
     let places = texts(&places);
     assert!(places.len() > 3, "{at}: {places:?}");
     for place in &places {
         let focused = browser.value(
-            r##"(({ activeElement: a }) => [a.getAttribute("href"), a.getClientRects().length > 0])(document)"##,
+            r#"(({ activeElement: a }) => [a.getAttribute("href"), a.getClientRects().length > 0])(document)"#,
         );
         assert_eq!(focused, json!([place, true]), "{at}: contents by keyboard");
         assert_ne!(
@@ -108,7 +108,7 @@ fn has_contents(browser: &mut Browser, at: &str, is_folded: bool) {
 
 /// A method that the pointer or the keyboard is on is lit in every figure, and all others are grey.
 fn lights_up(browser: &mut Browser, at: &str) {
-    const STATE: &str = r##"(() => {
+    const STATE: &str = r#"(() => {
         const all = Array.from(document.querySelectorAll("figure [data-method]"));
         const lit = all.filter((mark) => getComputedStyle(mark).opacity === "1");
         const methods = new Set(lit.map((mark) => mark.dataset.method));
@@ -116,9 +116,9 @@ fn lights_up(browser: &mut Browser, at: &str) {
         const figures = (marks) => new Set(marks.map((mark) => mark.closest("figure"))).size;
         const is_all = figures(lit) === figures(all.filter((mark) => mark.dataset.method === method));
         return { method, is_all, says: document.querySelector("output").textContent };
-    })()"##;
+    })()"#;
     let first = browser.value(
-        r##"(() => {
+        r#"(() => {
             const marks = Array.from(document.querySelectorAll("figure [data-method]"));
             const mark = marks.find((mark) => mark.getClientRects().length && mark.querySelector("circle, polygon"));
             if (!mark) return null;
@@ -126,7 +126,7 @@ fn lights_up(browser: &mut Browser, at: &str) {
             point.scrollIntoView({ block: "center" });
             const { x, y, width, height } = point.getBoundingClientRect();
             return { at: [x + width / 2, y + height / 2] };
-        })()"##,
+        })()"#,
     );
     if first.is_null() {
         return;
@@ -144,8 +144,8 @@ fn lights_up(browser: &mut Browser, at: &str) {
     assert_eq!(browser.value(STATE)["method"], "", "{at}: left again");
 
     browser.value(
-        r##"Array.from(document.querySelectorAll("[data-method][tabindex='0']"))
-            .find((mark) => mark.getClientRects().length).focus()"##,
+        r#"Array.from(document.querySelectorAll("[data-method][tabindex='0']"))
+            .find((mark) => mark.getClientRects().length).focus()"#,
     );
     let focused = browser.value(STATE);
     assert!(focused["method"] != "" && focused["is_all"] == true, "{at}: focused: {focused}");
