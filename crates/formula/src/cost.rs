@@ -46,6 +46,8 @@ pub fn cost<M: Method>() -> Cost {
         let group = M::group(&triangle);
         (group, M::prepare(&triangle, group))
     });
+    // What is stored is data: a test that loads a 1 cannot leave out the product with it.
+    let prepared = M::Prepared::map(&prepared, |&number| number.into_data());
     let (per_ray, prepared_ray) = counted(|| M::prepare_ray(&ray(4.0), group));
     // The interval is made ready once per ray, outside the count.
     let interval = |tmax| Interval { tmin: number(0.0), tmax: number(tmax) };

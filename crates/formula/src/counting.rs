@@ -91,6 +91,11 @@ impl Counting {
     pub const fn data(value: f64) -> Self {
         Self { value, is_constant_one: false }
     }
+
+    /// The same number, stored and read again: not known before the formula runs.
+    pub const fn into_data(self) -> Self {
+        Self::data(self.value)
+    }
 }
 
 macro_rules! operator {
@@ -194,5 +199,13 @@ mod tests {
         let (ops, y) = counted(|| x * Counting::from_f64(1.0) + Counting::data(1.0) * x);
         assert_eq!(y.value, 4.0);
         assert_eq!(ops, Ops { multiplies: 1, adds: 1, ..Ops::default() });
+    }
+
+    #[test]
+    fn a_product_with_a_stored_one_is_counted() {
+        let x = Counting::data(2.0);
+        let (ops, y) = counted(|| x * Counting::from_f64(1.0).into_data());
+        assert_eq!(y.value, 2.0);
+        assert_eq!(ops, Ops { multiplies: 1, ..Ops::default() });
     }
 }

@@ -58,10 +58,9 @@ impl Axis {
         let (low, high) = match scale {
             Scale::Linear if low == high => (low - 0.5, high + 0.5),
             Scale::Linear => (low, high),
-            // Half a decade of air tells a point from the frame; zeros need a decade of their own.
+            // A little air tells a point from the frame; zeros need a decade of their own.
             Scale::Log if high / low > 30.0 || zeros => {
-                let low = 10f64.powf(low.log10().floor());
-                (if zeros { low / 10.0 } else { low }, 10f64.powf((high * 1.2).log10().ceil()))
+                (low / if zeros { 14.0 } else { 1.4 }, high * 1.4)
             }
             Scale::Log => (low / 1.15, high * 1.15),
             Scale::Binary => (low / 1.3, high * 1.3),
@@ -190,6 +189,7 @@ impl Axis {
                     let is_few = self.high / self.low < 6.0;
                     return stepped(if is_few { few } else { &[1.0, 2.0, 5.0] }).collect();
                 }
+                let (first, last) = (self.low.log10().ceil(), self.high.log10().floor());
                 let step = ((last - first) / count).ceil().max(1.0) as usize;
                 let decades = (first as i32..=last as i32).rev().step_by(step);
                 let mut ticks: Vec<f64> = decades

@@ -80,21 +80,21 @@ pub enum Mark {
     },
 }
 
-/// A labelled row of marks in one colour, with a note behind them.
+/// A labelled row of marks, with a note behind them.
 pub struct Row {
     /// What the row is of.
     pub label: String,
-    /// The colour of its marks.
-    pub ink: Ink,
-    /// The marks.
-    pub marks: Vec<Mark>,
+    /// The method that it lights up with on a page, or nothing.
+    pub method: String,
+    /// The marks and their colours.
+    pub marks: Vec<(Ink, Mark)>,
     /// What stands behind them.
     pub note: String,
 }
 
 /// Rows under a heading.
 pub struct Group {
-    /// The heading.
+    /// The heading, or nothing.
     pub heading: String,
     /// The rows.
     pub rows: Vec<Row>,
@@ -132,17 +132,38 @@ pub struct Series {
     pub marked: bool,
     /// Where they are.
     pub points: Vec<(f64, f64)>,
+    /// The method that they light up with on a page, or nothing.
+    pub method: String,
+    /// What a page says where a pointer or the keyboard is on them, beside the method.
+    pub says: String,
 }
 
 impl Series {
+    fn new(look: Look, filled: bool, join: Join, points: Vec<(f64, f64)>) -> Self {
+        let (method, says) = (String::new(), String::new());
+        Self { look, filled, join, marked: true, points, method, says }
+    }
+
     /// Points that are not joined.
     pub fn points(look: Look, filled: bool, points: Vec<(f64, f64)>) -> Self {
-        Self { look, filled, join: Join::No, marked: true, points }
+        Self::new(look, filled, Join::No, points)
     }
 
     /// Points on a line.
     pub fn line(look: Look, points: Vec<(f64, f64)>) -> Self {
-        Self { look, filled: true, join: Join::Straight, marked: true, points }
+        Self::new(look, true, Join::Straight, points)
+    }
+
+    /// The same, which lights up with a method.
+    #[must_use]
+    pub fn of(self, method: impl Into<String>) -> Self {
+        Self { method: method.into(), ..self }
+    }
+
+    /// The same, of which a page says this.
+    #[must_use]
+    pub fn says(self, says: impl Into<String>) -> Self {
+        Self { says: says.into(), ..self }
     }
 
     /// A line without points.
@@ -175,7 +196,7 @@ pub struct Plane {
     pub series: Vec<Series>,
     /// Dashed lines across; the legend says what they stand for.
     pub rules: Vec<f64>,
-    /// Texts beside points.
+    /// Texts beside points. One that is a method's name lights up with it.
     pub labels: Vec<(f64, f64, String)>,
 }
 
@@ -193,7 +214,7 @@ pub struct Map {
     pub title: String,
     /// Heads of the columns.
     pub columns: Vec<String>,
-    /// Labels of the rows with their cells.
+    /// The rows: methods, which light up on a page, with their cells.
     pub rows: Vec<(String, Vec<Square>)>,
 }
 
@@ -246,17 +267,25 @@ pub struct Entry {
     pub sample: Sample,
     /// What that stands for.
     pub text: String,
+    /// The method that it lights up with on a page, or nothing.
+    pub method: String,
 }
 
 impl Entry {
     /// What a sample stands for.
     pub fn new(sample: Sample, text: impl Into<String>) -> Self {
-        Self { sample, text: text.into() }
+        Self { sample, text: text.into(), method: String::new() }
     }
 
     /// What filled points stand for.
     pub fn of(look: Look, text: impl Into<String>) -> Self {
         Self::new(Sample::Point(look, true), text)
+    }
+
+    /// The same, which lights up with a method.
+    #[must_use]
+    pub fn lit_with(self, method: impl Into<String>) -> Self {
+        Self { method: method.into(), ..self }
     }
 }
 

@@ -56,6 +56,8 @@ struct Context<'a> {
     title: &'static str,
     heading: &'static str,
     source: &'a Source,
+    /// What its contents lead to.
+    contents: Vec<&'a Section>,
     /// What stands in the head of the page.
     lead: &'a [OnPage<'a>],
     sections: &'a [OnPage<'a>],
@@ -94,11 +96,14 @@ pub fn draw(document: &Document, links: &[Link]) -> Result<Page, PageError> {
     let lead = shown.iter().take_while(|section| section.title.is_empty()).count();
     let on_page: Vec<OnPage> =
         shown.into_iter().map(|section| OnPage { section, is_empty: section.is_empty() }).collect();
+    let has_place =
+        |s: &&OnPage| !(s.is_empty || s.section.title.is_empty() || s.section.id.is_empty());
     let html = fill_in(Context {
         style: format!("{}{}", css(), include_str!("../templates/page.css")),
         title: document.title,
         heading: document.heading,
         source: &document.source,
+        contents: on_page.iter().filter(has_place).map(|s| s.section).collect(),
         lead: &on_page[..lead],
         sections: &on_page[lead..],
         figures,

@@ -40,3 +40,48 @@
     shown.textContent = words.length ? count + " of " + rows.length : "";
   });
 })();
+
+// Figures are complete without this script; it lights up what is of one method in all of them.
+(() => {
+  const marks = Array.from(document.querySelectorAll("figure [data-method]"));
+  if (!marks.length) return;
+  const name = document.createElement("output");
+  name.className = "lit-name";
+  document.body.append(name);
+  const light = (mark) => {
+    const method = mark ? mark.dataset.method : "";
+    document.body.classList.toggle("lighting", method !== "");
+    marks.forEach((other) => other.classList.toggle("lit", other.dataset.method === method));
+    const says = mark && mark.querySelector("title");
+    name.textContent = says ? says.textContent : method;
+  };
+  const markAt = (node) => node.closest && node.closest("figure [data-method]");
+  document.addEventListener("pointerover", (event) => light(markAt(event.target) || markAt(document.activeElement)));
+  document.addEventListener("focusin", (event) => light(markAt(event.target)));
+  document.addEventListener("focusout", () => light(null));
+  document.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") light(null);
+  });
+  // The keyboard comes to a figure once, and arrows go through its methods.
+  document.querySelectorAll("figure svg").forEach((figure) => {
+    const stops = Array.from(figure.querySelectorAll("[data-method]"));
+    if (!stops.length) return;
+    figure.setAttribute("role", "group");
+    stops.forEach((stop, i) => {
+      const says = stop.querySelector("title");
+      stop.tabIndex = i ? -1 : 0;
+      stop.setAttribute("role", "img");
+      stop.setAttribute("aria-label", says ? says.textContent : stop.dataset.method);
+    });
+    figure.addEventListener("keydown", (event) => {
+      const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+      const from = stops.indexOf(document.activeElement);
+      if (!step || from < 0) return;
+      event.preventDefault();
+      const to = stops[(from + step + stops.length) % stops.length];
+      stops[from].tabIndex = -1;
+      to.tabIndex = 0;
+      to.focus();
+    });
+  });
+})();

@@ -14,13 +14,14 @@ fn drawing() -> Drawing {
     let axis = |scale, values: &[f64]| Axis::over("size", scale, values.iter().copied(), tick);
     let marks = [Mark::Bar(3.0), Mark::Span(1.0, 4.0)].into_iter();
     let point = Mark::Point { at: 2.0, shape: Shape::Diamond, filled: false };
-    let marks = marks.chain([point]).collect();
-    let row = Row { label: "a < b".into(), ink: Ink::series(2), marks, note: "3".into() };
+    let marks = marks.chain([point]).map(|mark| (Ink::series(2), mark)).collect();
+    let method = "<method>".into();
+    let row = Row { label: "a < b".into(), method, marks, note: "3".into() };
     let group = Group { heading: "bars & points".into(), rows: vec![row] };
     let shapes = (0..5).map(|i| Series::points(Look::of(i), i % 2 == 0, vec![(1.0, 1e-9)]));
     let others = [
         Series::front(vec![(1.0, 1.0), (2.0, 1e-9)]),
-        Series::line(Look::of(0), vec![(1.0, 1.0), (9.0, 0.5)]),
+        Series::line(Look::of(0), vec![(1.0, 1.0), (9.0, 0.5)]).of("first").says("1 & more"),
     ];
     let errors = [1.0, 0.5, 1e-9];
     let plane = Plane {
@@ -169,6 +170,27 @@ fn as_figures() {
     }
 }
 
+/// What is of a method is marked as such in every layout, and says what a page says of it.
+#[test]
+fn figures_mark_what_is_of_a_method() {
+    let page = html::draw(&document(), &[]).expect("it is drawn");
+    for (name, svg) in &page.figures {
+        let tree = roxmltree::Document::parse(svg).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let marked: Vec<_> =
+            tree.descendants().filter(|node| node.has_attribute("data-method")).collect();
+        let of = |method| {
+            marked.iter().filter(move |node| node.attribute("data-method") == Some(method))
+        };
+        assert_eq!(of("<method>").count(), 1, "{name}: a row");
+        assert_eq!(of("first").count(), 2, "{name}: a line and its label");
+        let said = of("first").flat_map(|node| node.children()).find(|n| n.has_tag_name("title"));
+        assert_eq!(said.and_then(|node| node.text()), Some("first: 1 & more"), "{name}");
+    }
+    assert!(page.html.contains("data-method=\"first\""));
+    // The page's style sheet has the colours.
+    assert!(!page.html.contains("fill=\"#") && !page.html.contains("stroke=\"#"));
+}
+
 /// Numbers that no machine measures have places and ticks like all others.
 #[test]
 fn extreme_numbers_are_drawn() {
@@ -179,8 +201,9 @@ fn extreme_numbers_are_drawn() {
     {
         let axis = || Axis::over("size", scale, values, tick);
         let series = vec![Series::line(Look::of(0), values.map(|x| (x, x)).into())];
-        let marks = values.map(Mark::Bar).into();
-        let row = Row { label: "row".into(), ink: Ink::Text, marks, note: "a note".into() };
+        let marks = values.map(|value| (Ink::Text, Mark::Bar(value))).into();
+        let method = String::new();
+        let row = Row { label: "row".into(), method, marks, note: "a note".into() };
         let group = Group { heading: String::new(), rows: vec![row] };
         let panels = vec![
             Panel::plane("plane", axis(), axis(), 200, series),

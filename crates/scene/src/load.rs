@@ -20,6 +20,7 @@ pub const SHIPPED: &[FileInMemory] = &[
     ("scenes/glass.toml", include_bytes!("../../../data/scenes/glass.toml")),
     ("scenes/lens.toml", include_bytes!("../../../data/scenes/lens.toml")),
     ("scenes/mirror.toml", include_bytes!("../../../data/scenes/mirror.toml")),
+    ("scenes/morozov.toml", include_bytes!("../../../data/scenes/morozov.toml")),
     ("scenes/room.toml", include_bytes!("../../../data/scenes/room.toml")),
     ("scenes/teapots.toml", include_bytes!("../../../data/scenes/teapots.toml")),
     ("scenes/textures.toml", include_bytes!("../../../data/scenes/textures.toml")),

@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use trisect_catalog::{Finder, Scene};
 use trisect_core::{Hit, Vec3};
 use trisect_method::{Culling, Output};
+use trisect_oracle::Condition;
 
 use crate::comparison::record::{ClassCount, Quantiles};
 use crate::subject::{Judged, Truth};
@@ -35,6 +36,12 @@ pub(crate) type Quantity = fn(&Hit<f64>) -> f64;
 /// What is compared, of a hit.
 pub(crate) const QUANTITIES: [(&str, Quantity); 3] =
     [("t", |hit| hit.t), ("beta", |hit| hit.beta), ("gamma", |hit| hit.gamma)];
+
+/// How far rounding can move one of them.
+pub(crate) type ConditionOf = fn(&Condition) -> f64;
+
+/// The same of each that is compared.
+pub(crate) const CONDITIONS: [ConditionOf; 3] = [|of| of.t, |of| of.beta, |of| of.gamma];
 
 impl Answers {
     pub(crate) fn of(finder: &Finder, scene: &Scene) -> Self {
@@ -116,6 +123,23 @@ impl Answers {
         }
         let count = relative.len() as u64;
         (count, quantiles(relative), quantiles(ulps))
+    }
+
+    /// Errors over the condition number times the unit roundoff, over the pairs that both call a hit: a method
+    /// whose errors are small here errs no more than the pair allows.
+    pub(crate) fn over_condition(
+        &self,
+        truth: &[Truth],
+        (quantity, condition): (Quantity, ConditionOf),
+        unit_roundoff: f64,
+    ) -> Quantiles {
+        let errors = self.pairs.iter().filter_map(|pair| {
+            let place = truth.binary_search_by_key(&pair.key(), |t| (t.ray, t.triangle)).ok()?;
+            let error = (quantity(&pair.hit) - quantity(&truth[place].hit)).abs();
+            let unit = condition(&truth[place].condition) * unit_roundoff;
+            Some(if error == 0.0 { 0.0 } else { (error / unit).min(f64::MAX) })
+        });
+        quantiles(errors.collect())
     }
 
     /// The confusion table against the oracle.
@@ -204,6 +228,8 @@ pub(crate) fn quantiles(mut values: Vec<f64>) -> Quantiles {
 
 #[cfg(test)]
 mod tests {
+    use trisect_oracle::Class;
+
     use super::*;
 
     fn pair(ray: u32, triangle: u32, t: f64) -> Pair {
@@ -229,6 +255,20 @@ mod tests {
         // The unit of f32 at 4 is 2^-21.
         assert_eq!(ulps.max, 2.0_f64.powi(21));
         assert_eq!(relative.median, 0.0);
+    }
+
+    #[test]
+    fn errors_are_held_against_what_rounding_can_do() {
+        let truth = |ray, condition| {
+            let Pair { triangle, hit, .. } = pair(ray, 1, 2.0);
+            let condition = Condition { t: condition, beta: 1.0, gamma: 1.0 };
+            Truth { ray, triangle, class: Class::Interior, hit, condition }
+        };
+        let truth = [truth(0, 8.0), truth(1, 4.0), truth(3, 1.0)];
+        let answers = Answers { pairs: vec![pair(0, 1, 4.0), pair(1, 1, 2.0), pair(2, 1, 9.0)] };
+        let over = answers.over_condition(&truth, (QUANTITIES[0].1, CONDITIONS[0]), 0.125);
+        // Off by 2 where a rounding can move t by 1; right; and never a hit.
+        assert_eq!((over.max, over.median, over.mean), (2.0, 0.0, 1.0));
     }
 
     #[test]

@@ -15,11 +15,11 @@ use trisect_core::InstructionSet;
 use crate::noise::Noise;
 
 /// The version of the schema that this build writes and reads.
-pub const SCHEMA: u32 = 8;
+pub const SCHEMA: u32 = 9;
 
 /// The oldest schema that this build reads: 2 added facts about methods, refusals and cracks, 3 the
 /// stability study, 4 the study of the tracer, 5 pictures, 6 exactness and stages, 7 omissions,
-/// 8 noise, and trees in a comparison.
+/// 8 noise, and trees in a comparison, 9 errors over condition numbers, and Morozov's series of pictures.
 const OLDEST: u64 = 1;
 
 /// Who measured, where and how.

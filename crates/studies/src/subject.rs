@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 use trisect_core::{Float, FloatFormat, Hit, Ray, Triangle};
-use trisect_oracle::{Class, Oracle};
+use trisect_oracle::{Class, Condition, Oracle};
 
 use crate::comparison::record::{Family, Workload};
 
@@ -64,6 +64,8 @@ pub(crate) struct Truth {
     pub class: Class,
     /// Each number is the true one, rounded to f64 once.
     pub hit: Hit<f64>,
+    /// How far rounding can move each.
+    pub condition: Condition,
 }
 
 /// What the oracle says about rays and triangles.
@@ -241,7 +243,8 @@ where
     let wide: Ray<f64> = (*ray).into();
     for &(triangle, wide_triangle, class) in &hit {
         if let Some(hit) = oracle.intersect(&wide, &wide_triangle).hit {
-            of_ray.truth.push(Truth { ray: number, triangle, class, hit });
+            let condition = oracle.truth(&wide, &wide_triangle).condition;
+            of_ray.truth.push(Truth { ray: number, triangle, class, hit, condition });
         }
     }
     let triangles: Vec<Triangle<f64>> = hit.iter().map(|&(_, triangle, _)| triangle).collect();

@@ -13,6 +13,7 @@ use plotters_backend::{
     BackendColor, BackendCoord, BackendStyle, BackendTextStyle, DrawingBackend, DrawingErrorKind,
 };
 
+use super::pen::TEXT;
 use crate::figure::{Ink, SERIES};
 use crate::inline::escape;
 
@@ -45,6 +46,7 @@ pub(crate) fn css() -> String {
     }
     format!(
         ":root{{color-scheme:light dark;{light}}}\n\
+         .p{{stroke-width:2}}.o{{paint-order:stroke}}polyline{{fill:none}}\n\
          @media screen and (prefers-color-scheme:dark){{:root{{{dark}}}}}\n{classes}\n"
     )
 }
@@ -61,10 +63,31 @@ pub(super) fn colour(ink: Ink) -> RGBColor {
     RGBColor(0, 0, number)
 }
 
+/// Attributes of a shape of a class that one ink fills and another surrounds.
+pub(super) fn filled_and_rimmed(class: &str, fill: Ink, rim: Ink) -> String {
+    let of = |ink| INKS[usize::from(colour(ink).2).min(INKS.len() - 1)];
+    let ((fill, filled, _), (rim, rimmed, _)) = (of(fill), of(rim));
+    format!("fill=\"#{filled:06X}\" stroke=\"#{rimmed:06X}\" class=\"{class} f-{fill} s-{rim}\"")
+}
+
 /// The attributes of a colour: `fill` or `stroke`, and its class.
 fn paint(attribute: &str, colour: BackendColor) -> String {
     let (name, light, _) = INKS[usize::from(colour.rgb.2).min(INKS.len() - 1)];
     format!("{attribute}=\"#{light:06X}\" class=\"{}-{name}\"", &attribute[..1])
+}
+
+/// Drawn elements without what the style sheet says as well.
+pub(super) fn without_colours(body: &str) -> String {
+    let body = body.replace(" fill=\"none\"", "");
+    let mut out = String::with_capacity(body.len());
+    let mut parts = body.split("=\"#");
+    out.push_str(parts.next().unwrap_or_default());
+    for part in parts {
+        let (_, rest) = part.split_once("\" ").unwrap_or_default();
+        out.truncate(out.trim_end_matches(|c: char| c.is_ascii_lowercase()).len());
+        out.push_str(rest);
+    }
+    out
 }
 
 fn stroke(style: &impl BackendStyle) -> String {
@@ -180,15 +203,19 @@ impl DrawingBackend for Backend<'_> {
         (x, y): BackendCoord,
     ) -> Done {
         let anchor = match style.anchor().h_pos {
-            HPos::Left => "start",
-            HPos::Center => "middle",
-            HPos::Right => "end",
+            HPos::Left => "",
+            HPos::Center => " text-anchor=\"middle\"",
+            HPos::Right => " text-anchor=\"end\"",
         };
-        let (size, paint) = (style.size(), paint("fill", style.color()));
+        // The whole drawing has the size of most texts.
+        let size = match style.size() {
+            size if (size - f64::from(TEXT)).abs() < 0.5 => String::new(),
+            size => format!(" font-size=\"{size}\""),
+        };
+        let paint = paint("fill", style.color());
         // All texts are centred upright.
         self.push(format_args!(
-            "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\" text-anchor=\"{anchor}\" \
-             font-size=\"{size}\" {paint}>{}</text>",
+            "<text x=\"{x}\" y=\"{y}\" dy=\"0.5ex\"{anchor}{size} {paint}>{}</text>",
             escape(text)
         ))
     }

@@ -13,11 +13,12 @@ use crate::figure::{Drawing, Entry, Ink, Panel, Sample};
 use crate::inline::{cut, escape, plain};
 use backend::{Backend, colour};
 use pen::{
-    AXIS, Area, Drawn, HEADING, LEGEND, Place, ROW, TEXT, TITLE, dashes, line, mark, px, text,
-    text_width,
+    AXIS, Area, Drawn, HEADING, LEGEND, Place, ROW, TEXT, TITLE, dashes, line, lit_with, mark, px,
+    text, text_width,
 };
 
 pub(crate) use backend::css;
+use backend::without_colours;
 
 /// The fonts of figures: whatever the reader's system writes its menus in.
 const FONTS: &str = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', sans-serif";
@@ -71,7 +72,7 @@ impl Svg {
     /// A part of a page that has the style sheet and decides its size.
     pub(crate) fn inline(&self) -> String {
         let Self { root, named, body, .. } = self;
-        format!("<svg {root}>\n{named}{body}</svg>\n")
+        format!("<svg {root}>\n{named}{}</svg>\n", without_colours(body))
     }
 }
 
@@ -116,12 +117,14 @@ pub(crate) fn draw(
         root.draw(&Rectangle::new([(0, 0), (width, height)], colour(Ink::Paper).filled()))?;
         for (entry, &(x, y)) in drawing.legend.iter().zip(&legend) {
             let middle = y + LEGEND / 2;
-            match entry.sample {
-                Sample::Point(look, filled) => mark(&root, (x + 7, middle), look, filled, 5)?,
-                Sample::Dashes => dashes(&root, (x, middle), x + 14, [5, 9], Ink::Text)?,
-                Sample::Line(ink) => line(&root, (x, middle), (x + 14, middle), ink, 2)?,
-            }
-            text(&root, &entry.text, (x + 18, middle), Ink::Text, HPos::Left)?;
+            lit_with(&root, (&entry.method, ""), || {
+                match entry.sample {
+                    Sample::Point(look, filled) => mark(&root, (x + 7, middle), look, filled, 5)?,
+                    Sample::Dashes => dashes(&root, (x, middle), x + 14, [5, 9], Ink::Text)?,
+                    Sample::Line(ink) => line(&root, (x, middle), (x + 14, middle), ink, 2)?,
+                }
+                text(&root, &entry.text, (x + 18, middle), Ink::Text, HPos::Left)
+            })?;
         }
         let mut top = legend_height;
         for line in lines() {
@@ -149,7 +152,7 @@ pub(crate) fn draw(
         .map_err(|e| DrawError { figure: name.into(), message: e.to_string() })?;
     let root = format!(
         "viewBox=\"0 0 {width} {height}\" xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" \
-         aria-labelledby=\"{name}-title {name}-desc\" font-family=\"{FONTS}\""
+         aria-labelledby=\"{name}-title {name}-desc\" font-family=\"{FONTS}\" font-size=\"{TEXT}\""
     );
     let named = format!(
         "<title id=\"{name}-title\">{}</title>\n<desc id=\"{name}-desc\">{}</desc>\n",

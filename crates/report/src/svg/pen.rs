@@ -4,11 +4,14 @@ use std::convert::Infallible;
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::Ranged;
+use plotters::element::{Drawable, PointCollection};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters_backend::{BackendCoord, DrawingErrorKind};
 
-use super::backend::{Backend, colour};
+use super::backend::{Backend, colour, filled_and_rimmed};
 use crate::figure::{Axis, Ink, Look, Shape};
+use crate::inline::escape;
 
 pub(super) type Area<'a> = DrawingArea<Backend<'a>, Shift>;
 pub(super) type Grid<'a, Y> = DrawingArea<Backend<'a>, Cartesian2d<Axis, Y>>;
@@ -40,6 +43,49 @@ pub(super) struct Place {
     pub(super) left: i32,
     pub(super) right: i32,
     pub(super) top: i32,
+}
+
+/// SVG that plotters has no elements for.
+struct Raw(String);
+
+impl<'a> PointCollection<'a, BackendCoord> for &'a Raw {
+    type Point = &'a BackendCoord;
+    type IntoIter = std::iter::Empty<&'a BackendCoord>;
+    fn point_iter(self) -> Self::IntoIter {
+        std::iter::empty()
+    }
+}
+
+impl Drawable<Backend<'_>> for Raw {
+    fn draw<I: Iterator<Item = BackendCoord>>(
+        &self,
+        _: I,
+        backend: &mut Backend<'_>,
+        _: (u32, u32),
+    ) -> Result<(), DrawingErrorKind<Infallible>> {
+        backend.out.push_str(&self.0);
+        Ok(())
+    }
+}
+
+/// Draws what lights up with a method, of which a page says something; all that `draw` draws where there is
+/// no method.
+pub(super) fn lit_with<R>(
+    area: &Area,
+    (method, says): (&str, &str),
+    draw: impl FnOnce() -> Result<R, Problem>,
+) -> Result<R, Problem> {
+    if method.is_empty() {
+        return draw();
+    }
+    let title = match says {
+        "" => String::new(),
+        says => format!("<title>{}: {}</title>", escape(method), escape(says)),
+    };
+    area.draw(&Raw(format!("<g data-method=\"{}\">{title}\n", escape(method))))?;
+    let drawn = draw()?;
+    area.draw(&Raw("</g>\n".into()))?;
+    Ok(drawn)
 }
 
 fn text_of(area: &Area, what: &str, at: (i32, i32), ink: Ink, (h, size): (HPos, i32)) -> Drawn {
@@ -75,34 +121,28 @@ pub(super) fn dashes(
     starts.try_for_each(|x| line(area, (x, y), ((x + length).min(to), y), ink, 1))
 }
 
+/// A point. A rim of paper keeps points apart that lie on each other.
 pub(super) fn mark(area: &Area, (x, y): (i32, i32), look: Look, filled: bool, r: i32) -> Drawn {
-    let (ink, paper) = (colour(look.ink), colour(Ink::Paper));
-    let corners: Vec<(i32, i32)> = match look.shape {
-        Shape::Circle => {
-            let r = r.unsigned_abs() + 1;
-            // A rim of paper keeps points apart that lie on each other.
-            area.draw(&Circle::new((x, y), r + 1, paper.filled()))?;
-            let (r, style) = if filled { (r, ink.filled()) } else { (r - 1, ink.stroke_width(2)) };
-            return area.draw(&Circle::new((x, y), r, style));
-        }
+    let corners = match look.shape {
+        Shape::Circle => Vec::new(),
         Shape::Square => vec![(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)],
         Shape::Up => vec![(x, y - r - 1), (x + r + 1, y + r), (x - r - 1, y + r)],
         Shape::Down => vec![(x, y + r + 1), (x + r + 1, y - r), (x - r - 1, y - r)],
-        Shape::Diamond => {
-            vec![(x, y - r - 2), (x + r + 1, y), (x, y + r + 2), (x - r - 1, y)]
-        }
+        Shape::Diamond => vec![(x, y - r - 2), (x + r + 1, y), (x, y + r + 2), (x - r - 1, y)],
     };
-    let closed: Vec<_> = corners.iter().chain(&corners[..2]).copied().collect();
-    let (fill, rim) = if filled { (ink, paper) } else { (paper, ink) };
-    let rim = PathElement::new(closed, rim.stroke_width(2));
-    let fill = Polygon::new(corners, fill);
-    if filled {
-        area.draw(&rim)?;
-        area.draw(&fill)
+    // The rim of a filled point lies outside its shape.
+    let (paint, outset) = if filled {
+        (filled_and_rimmed("o p", look.ink, Ink::Paper), 1)
     } else {
-        area.draw(&fill)?;
-        area.draw(&rim)
-    }
+        (filled_and_rimmed("p", Ink::Paper, look.ink), 0)
+    };
+    let shape = if corners.is_empty() {
+        format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\"", r + outset)
+    } else {
+        let corners: Vec<String> = corners.iter().map(|(x, y)| format!("{x},{y}")).collect();
+        format!("<polygon points=\"{}\"", corners.join(" "))
+    };
+    area.draw(&Raw(format!("{shape} {paint}/>\n")))
 }
 
 /// Draws title, grid, ticks and names of axes, and returns the place of values. What stands upright

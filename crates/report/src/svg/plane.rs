@@ -6,7 +6,7 @@ use plotters::style::text_anchor::HPos;
 
 use super::backend::colour;
 use super::pen::{
-    Area, Drawn, Grid, Place, TEXT, TITLE, dashes, frame, line, mark, text, text_width,
+    Area, Drawn, Grid, Place, TEXT, TITLE, dashes, frame, line, lit_with, mark, text, text_width,
 };
 use crate::figure::{Axis, Ink, Join, Plane, Series};
 
@@ -43,7 +43,10 @@ pub(super) fn draw_plane(root: &Area, plane: &Plane, panel: Place) -> Drawn {
         dashes(root, (left, y), right, [5, 9], Ink::Text)?;
     }
     for series in &plane.series {
-        draw_series(root, &grid, series, (right, top))?;
+        if !series.points.is_empty() {
+            let subject = (&*series.method, &*series.says);
+            lit_with(root, subject, || draw_series(root, &grid, series, (right, top)))?;
+        }
     }
     draw_labels(root, &grid, plane, inner)
 }
@@ -119,10 +122,16 @@ fn draw_labels(
         let best = around.min_by_key(free).unwrap_or((0, -14));
         let centre = (x + best.0, y + best.1);
         taken.push((centre.0 - w / 2, centre.0 + w / 2, centre.1 - 8, centre.1 + 8));
-        if best.0.abs() > 24 + w / 2 || best.1.abs() > 24 {
-            line(root, (x, y), centre, Ink::Muted, 1)?;
-        }
-        text(root, what, centre, Ink::Text, HPos::Center)?;
+        let is_method = plane.series.iter().any(|series| series.method == *what);
+        lit_with(root, (if is_method { what } else { "" }, ""), || {
+            if best.0.abs() > 24 + w / 2 || best.1.abs() > 24 {
+                // To the edge of the text, and not across it.
+                let end_x = x.clamp(centre.0 - w / 2, centre.0 + w / 2);
+                let end = (end_x, centre.1 + 7 * (y - centre.1).signum());
+                line(root, (x, y), end, Ink::Muted, 1)?;
+            }
+            text(root, what, centre, Ink::Text, HPos::Center)
+        })?;
     }
     Ok(())
 }

@@ -15,7 +15,7 @@ use super::record::{
     Refusal, Throughput, Workload,
 };
 use super::tasks::{Task, Timed};
-use crate::answers::{Answers, Pair, QUANTITIES, Quantity};
+use crate::answers::{Answers, CONDITIONS, ConditionOf, Pair, QUANTITIES, Quantity};
 use crate::kernels::{Group, REFERENCE, answers_of_widest, contenders};
 use crate::record::Line;
 use crate::study::Run;
@@ -42,7 +42,7 @@ pub fn compare(
 
 impl MethodFacts {
     /// What there is to know of a method of the catalogue.
-    fn of(entry: &Entry) -> Self {
+    pub(super) fn of(entry: &Entry) -> Self {
         Self {
             name: entry.info.name.to_owned(),
             title: entry.info.title.to_owned(),
@@ -224,9 +224,14 @@ impl Measurement<'_, '_> {
             references.extend(reference.map(|answers| ("f64-moller-trumbore", answers.pairs())));
             for (variant, answers) in &method.variants {
                 for (name, pairs) in &references {
-                    for (quantity, of) in method.quantities() {
+                    for ((quantity, value), condition) in method.quantities() {
                         let (count, relative, ulps) =
-                            answers.errors(pairs, of, method.significant_bits);
+                            answers.errors(pairs, value, method.significant_bits);
+                        let over = || {
+                            let truth = &of.known().truth;
+                            let unit = f64::from(-method.significant_bits).exp2();
+                            answers.over_condition(truth, (value, condition), unit)
+                        };
                         self.run.add(Error {
                             variant: (*variant).clone(),
                             workload: subject.workload.name.clone(),
@@ -235,6 +240,7 @@ impl Measurement<'_, '_> {
                             count,
                             relative,
                             ulps,
+                            over_condition: (*name == "oracle").then(over),
                         });
                     }
                 }
@@ -379,8 +385,8 @@ impl Answered {
     }
 
     /// What the method gives that has an error.
-    fn quantities(&self) -> impl Iterator<Item = (&'static str, Quantity)> {
-        QUANTITIES.into_iter().take(if self.weighs { 3 } else { 1 })
+    fn quantities(&self) -> impl Iterator<Item = ((&'static str, Quantity), ConditionOf)> {
+        QUANTITIES.into_iter().zip(CONDITIONS).take(if self.weighs { 3 } else { 1 })
     }
 }
 

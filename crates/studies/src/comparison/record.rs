@@ -140,6 +140,10 @@ pub struct Error {
     pub relative: Quantiles,
     /// The same in units of the last place of the variant's own precision, at the reference.
     pub ulps: Quantiles,
+    /// Errors over the condition number times the unit roundoff of the variant's precision; against the oracle
+    /// alone, and in no record older than this field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub over_condition: Option<Quantiles>,
 }
 
 /// Of a list of errors; all zero for an empty one.

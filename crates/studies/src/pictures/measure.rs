@@ -17,6 +17,7 @@ use trisect_render::{
 };
 use trisect_scene::Scene;
 
+use super::morozov::{self, Asked, Row};
 use super::record::{FrameSeries, Frames, Picture};
 use super::settings::Pictures;
 use crate::kernels::{REFERENCE, reference};
@@ -29,10 +30,10 @@ use crate::tracer::measure::thread_counts;
 const MIRROR: &str = "scenes/mirror.toml";
 
 /// Name, samples, depth and lights, from low to very hard.
-const LEVELS: [(&str, u32, u32, usize); 4] =
+pub(super) const LEVELS: [(&str, u32, u32, usize); 4] =
     [("low", 1, 1, 1), ("middle", 2, 2, 1), ("hard", 3, 4, 2), ("very hard", 3, 8, 2)];
 
-const SIZES: [[u32; 2]; 4] = [[512, 512], [800, 600], [1024, 768], [1920, 1080]];
+pub(super) const SIZES: [[u32; 2]; 4] = [[512, 512], [800, 600], [1024, 768], [1920, 1080]];
 
 /// The picture that all series but the first are variations of.
 const GOAL: [u32; 2] = [640, 480];
@@ -52,6 +53,9 @@ pub(super) fn measure(study: &Pictures, run: &mut Run<'_>) -> Result<(), StudyEr
     let mut drawing = Drawing { study, random: Pcg64::seed_from_u64(study.seed), run };
     drawing.variations(&mirror)?;
     drawing.techniques(&mirror)?;
+    if study.morozov {
+        drawing.morozov()?;
+    }
     drawing.features()
 }
 
@@ -282,6 +286,68 @@ impl Drawing<'_, '_> {
         others.sort_by(|a, b| time(a).total_cmp(&time(b)));
         contenders.extend(others.into_iter().take(1));
         self.run.lines.extend(contenders.into_iter().map(|contender| contender.frames.into()));
+        Ok(())
+    }
+
+    /// The rows of Morozov's tables at each of his levels. What this tracer has no like of, leaves of other sizes
+    /// than its own, is left out.
+    fn morozov(&mut self) -> Result<(), StudyError> {
+        let scene = Scene::shipped(&format!("scenes/{}.toml", morozov::SCENE))?;
+        let all = pool(self.study.threads)?;
+        let trees = Leaves::ALL.map(|leaves| {
+            let tree = |triangles: &[Triangle<f32>]| {
+                reference().tree_with(triangles, Builder::Spatial, leaves)
+            };
+            (leaves, stage(&scene, tree))
+        });
+        for series in [
+            FrameSeries::Threads,
+            FrameSeries::Samples,
+            FrameSeries::Lights,
+            FrameSeries::Depth,
+            FrameSeries::Leaves,
+            FrameSeries::Tiles,
+        ] {
+            let mut rows: Vec<Row> = morozov::rows().filter(|row| row.series == series).collect();
+            // Two of his tables are of threads.
+            rows.sort_by_key(|row| row.x);
+            rows.dedup_by_key(|row| row.x);
+            let pools = rows.iter().map(|row| match series {
+                FrameSeries::Threads => pool(row.x as usize).map(Some),
+                _ => Ok(None),
+            });
+            let pools = pools.collect::<Result<Vec<_>, _>>()?;
+            for (level, (name, ..)) in LEVELS.into_iter().enumerate() {
+                let contender = |place: usize| {
+                    let (row, pool) = (&rows[place], &pools[place]);
+                    let (leaves, stage) = match series {
+                        FrameSeries::Leaves => {
+                            trees.iter().find(|(leaves, _)| leaves.name() == row.x.to_string())?
+                        }
+                        _ => &trees[0],
+                    };
+                    let Asked { size, samples, depth, lights } = row.at(level);
+                    let size = self.study.size(size);
+                    let sampling = Sampling::Circle(samples);
+                    let mut settings = Settings { sampling, depth, lights, ..base(size) };
+                    if series == FrameSeries::Tiles {
+                        settings.tile = morozov::tile_of(row.x, self.study.threads, size);
+                    }
+                    let pool = pool.as_ref().unwrap_or(&all);
+                    let of = (stage, *leaves, REFERENCE);
+                    let mut contender =
+                        Self::contender(series, row.name(level), of, settings, pool);
+                    morozov::SCENE.clone_into(&mut contender.frames.scene);
+                    Some(contender)
+                };
+                let mut contenders: Vec<_> = (0..rows.len()).filter_map(contender).collect();
+                let steps = contenders.len() * (self.study.rounds + 1);
+                self.run.progress.phase(&format!("Morozov's {name} pictures"), steps as u64);
+                self.race(&mut contenders)?;
+                let frames = contenders.into_iter().map(|contender| contender.frames.into());
+                self.run.lines.extend(frames);
+            }
+        }
         Ok(())
     }
 

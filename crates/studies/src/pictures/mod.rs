@@ -2,6 +2,7 @@
 
 mod document;
 mod measure;
+mod morozov;
 mod record;
 mod settings;
 

@@ -22,6 +22,9 @@ pub struct Settings {
     /// Fewer samples, and no pictures of more than 600 rows
     #[arg(long)]
     pub quick: bool,
+    /// Also time the scene and the settings of Morozov's tables of 2011: twenty minutes more
+    #[arg(long)]
+    pub morozov: bool,
     /// Divide the sides of all pictures, for a trial
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100))]
     pub shrink: u32,
@@ -40,6 +43,8 @@ pub struct Pictures {
     pub rounds: usize,
     /// Threads, at most.
     pub threads: usize,
+    /// Whether Morozov's tables are timed as well.
+    pub morozov: bool,
     /// The height of the largest pictures, 1080 for all.
     pub largest: u32,
     /// What the sides of all pictures are divided by, at least 1.
@@ -60,6 +65,7 @@ impl Settings {
             methods: methods(&self.methods)?,
             rounds: if self.quick { 3 } else { 7 },
             threads: threads(self.threads),
+            morozov: self.morozov,
             largest: if self.quick { 600 } else { u32::MAX },
             shrink: self.shrink,
         })

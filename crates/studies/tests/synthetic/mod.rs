@@ -252,6 +252,7 @@ pub(crate) fn records(count: usize) -> Records {
                                 p99: relative.p99 / unit,
                                 max: relative.max / unit,
                             },
+                            over_condition: None,
                         }));
                     }
                     let class = |class: &str, is_hit, called_hit, called_miss| ClassCount {

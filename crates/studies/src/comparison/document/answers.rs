@@ -8,7 +8,7 @@ use serde::Serialize;
 use trisect_core::{FloatFormat, MultiplyAdd};
 use trisect_kernels::Arrangement;
 use trisect_method::{Form, Input, Output};
-use trisect_report::document::{Section, Shown};
+use trisect_report::document::{Content, Section, Shown};
 use trisect_report::format::{grouped, number, or_dash, percent, scientific};
 use trisect_report::stats::{geometric_mean, median, median_interval};
 use trisect_report::table::{Cell, Columns, Kind, Table, count};
@@ -189,7 +189,7 @@ impl Answers {
             .number("wrong", number, |answer| answer.wrong_per_million)
             .number("cracks", number, |answer| answer.cracks_per_million)
             .number("B", count, |answer| answer.bytes_per_triangle);
-        answered(head, Section::table("in-a-tree", "In a tree", says, table.done()))
+        answered(("in-a-tree", "In a tree"), head, says, table.done())
     }
 
     fn in_loops(&self, view: &View) -> Option<[Section; 2]> {
@@ -208,16 +208,20 @@ impl Answers {
             .number("err t", scientific, |answer| answer.error)
             .number("wrong", number, |answer| answer.wrong_per_million)
             .number("B", count, |answer| answer.bytes_per_triangle);
-        answered(
-            head.to_owned(),
-            Section::table("every-triangle", "Every triangle", says, table.done()),
-        )
+        let head = head.to_owned();
+        answered(("every-triangle", "Every triangle"), head, says, table.done())
     }
 }
 
 /// What a table answers, and the table; nothing where it has no rows.
-fn answered(head: String, table: Section) -> Option<[Section; 2]> {
-    let both = [Section::prose(head), table];
+fn answered(
+    (id, title): (&'static str, &str),
+    head: String,
+    says: String,
+    table: Table,
+) -> Option<[Section; 2]> {
+    let head = Section::new(id, title, Content::Prose).says(head);
+    let both = [head, Section::table("", "", says, table)];
     (!both[1].is_empty())
         .then(|| both.map(|section| section.shown(Shown::Everywhere).part("answers")))
 }

@@ -3,19 +3,19 @@
 use std::collections::BTreeMap;
 
 use crate::comparison::record::Family;
+use crate::lines::distinct;
 use crate::record::Variant;
-use trisect_core::FloatFormat::{self, F32, F64};
-use trisect_core::InstructionSet;
+use trisect_core::FloatFormat;
 use trisect_method::{Form, Input};
 
-use super::summary::{FrontPoint, plane};
+use super::summary::{ErrorMeasure, FrontPoint, plane};
 use super::view::{BASELINE, View, finish_label, lanes_label, need_in_prose};
 use trisect_report::document::Section;
 use trisect_report::figure::{
     Axis, Drawing, Entry, Group, Ink, Look, Mark, Panel, Plane, Row, Sample, Scale, Series, Shape,
     points,
 };
-use trisect_report::format::{bytes, mtests, percent, ratio, tick};
+use trisect_report::format::{bytes, mtests, percent, ratio, scientific, tick};
 use trisect_report::stats::{geometric_mean, pareto_front};
 
 /// All figures, the headline first.
@@ -24,12 +24,6 @@ pub(super) fn all(view: &View) -> [Section; 5] {
 }
 
 const NOTHING_TIMED: &str = "Left out: the record holds no throughput.";
-
-/// A method's title with its year.
-fn heading(view: &View, method: &str) -> String {
-    let year = view.fact(method).map(|m| format!(" ({})", m.year)).unwrap_or_default();
-    format!("{}{year}", view.title(method))
-}
 
 /// "over 2 workloads (a, b)": workloads in a caption.
 fn on(workloads: &[impl AsRef<str>]) -> String {
@@ -66,51 +60,68 @@ fn family(view: &View, method: &str) -> usize {
 }
 
 fn pareto(view: &View) -> Section {
-    let (points, workloads) = plane(view);
+    let (points, measure, workloads) = plane(view);
+    let (name, says) = match measure {
+        ErrorMeasure::OverCondition => (
+            "worst error of t over κ·u",
+            "the largest error of t over its condition number times the unit roundoff, which is small where a \
+             method errs no more than a pair allows",
+        ),
+        ErrorMeasure::Relative => (
+            "error of t, p99",
+            "the 99th percentile of the relative error of t against exact arithmetic",
+        ),
+    };
     // Of each method in each precision the fastest variant: they come fastest first.
-    let mut shown: Vec<&FrontPoint> = Vec::new();
+    let mut fastest: Vec<&FrontPoint> = Vec::new();
     for point in &points {
         let of = |p: &FrontPoint| (p.variant.method.clone(), p.variant.precision);
-        if shown.iter().all(|other| of(other) != of(point)) {
-            shown.push(point);
+        if fastest.iter().all(|other| of(other) != of(point)) {
+            fastest.push(point);
         }
     }
     let caption = format!(
         "The fastest variant of each method. Across, nanoseconds per test when asked for {}: geometric mean {} \
-         of the median over rounds; up, the 99th percentile of the relative error of t against exact \
-         arithmetic. For a method on the stepped line none is both faster and more accurate. Those, \
+         of the median over rounds; up, {says}. For a method on the stepped line none is both faster and more accurate. Those, \
          Möller–Trumbore and what is exact are named, in the colours of their families.",
         asked(view),
         on(&workloads)
     );
     let mut told_families = [false; FAMILIES.len()];
+    let shown = |point: &FrontPoint, look| {
+        let FrontPoint { variant, ns_per_test, error } = point;
+        let says = format!(
+            "{}, {}; {} ns, error {}",
+            lanes_label(variant),
+            finish_label(variant),
+            tick(*ns_per_test),
+            scientific(*error)
+        );
+        Series::points(look, true, vec![(*ns_per_test, *error)]).of(&*variant.method).says(says)
+    };
     let mut panel = |precision: FloatFormat| {
         let mine: Vec<&&FrontPoint> =
-            shown.iter().filter(|p| p.variant.precision == precision).collect();
+            fastest.iter().filter(|p| p.variant.precision == precision).collect();
         let at: Vec<(f64, f64)> = mine.iter().map(|p| (p.ns_per_test, p.error)).collect();
         let front = pareto_front(&at);
-        let mut others = Vec::new();
-        let mut told = Vec::new();
-        let mut labels = Vec::new();
+        let (mut others, mut told, mut labels) = (Vec::new(), Vec::new(), Vec::new());
         for (place, point) in mine.iter().enumerate() {
             let method = &*point.variant.method;
             let family = family(view, method);
             if front.contains(&place) || method == BASELINE || FAMILIES[family] == "exact" {
                 told_families[family] = true;
-                told.push(Series::points(Look::of(family), true, vec![at[place]]));
+                told.push(shown(point, Look::of(family)));
                 labels.push((at[place].0, at[place].1, method.to_owned()));
             } else {
-                others.push(at[place]);
+                others.push(shown(point, Look::plain(Ink::Grid)));
             }
         }
-        let mut series = vec![
-            Series::points(Look::plain(Ink::Grid), true, others),
-            Series::front(front.iter().map(|&place| at[place]).collect()),
-        ];
+        let mut series = others;
+        series.push(Series::front(front.iter().map(|&place| at[place]).collect()));
         series.extend(told);
         let across = at.iter().map(|at| at.0);
         let across = Axis::over("ns per test", Scale::Log, across, tick);
-        let up = Axis::over("error of t, p99", Scale::Log, at.iter().map(|at| at.1), tick);
+        let up = Axis::over(name, Scale::Log, at.iter().map(|at| at.1), tick);
         let panel = Plane { labels, ..Plane::new(precision.name(), across, up, 360, series) };
         (!at.is_empty()).then_some(Panel::Plane(panel))
     };
@@ -134,62 +145,9 @@ fn pareto(view: &View) -> Section {
         .missing(missing)
 }
 
-/// Instruction sets and widths of one precision, narrowest first, as rows ask for them.
-fn lanes(view: &View, precision: FloatFormat) -> Vec<(usize, InstructionSet)> {
-    let of = view.throughput.keys().filter(|v| v.precision == precision);
-    let mut all: Vec<_> = of.map(|v| (v.width, v.instruction_set)).collect();
-    all.sort_unstable();
-    all.dedup();
-    all
-}
-
-/// Per precision, its title and methods with the rows that there are of each.
-fn by_method(
-    view: &View,
-    rows: impl Fn(&str, FloatFormat) -> Vec<Row>,
-) -> Vec<(String, Vec<Group>)> {
-    let panel = |precision: FloatFormat| {
-        let title = match precision {
-            F32 => "Single precision (f32)",
-            F64 => "Double precision (f64)",
-        };
-        let group = |&method: &&str| Group {
-            heading: heading(view, method),
-            rows: rows(method, precision),
-        };
-        let groups = view.methods().iter().map(group).filter(|group| !group.rows.is_empty());
-        (title.to_owned(), groups.collect::<Vec<_>>())
-    };
-    let panels = view.precisions().into_iter().map(panel);
-    panels.filter(|(_, groups)| !groups.is_empty()).collect()
-}
-
-/// The same with a row for each width for which `row` has something to show.
-fn by_lanes(
-    view: &View,
-    row: impl Fn(&dyn Fn(&Variant) -> bool) -> Option<(Vec<Mark>, String)>,
-) -> Vec<(String, Vec<Group>)> {
-    by_method(view, |method, precision| {
-        let row = |(width, set): (usize, InstructionSet)| {
-            let (marks, note) = row(&|v| {
-                v.method == method
-                    && v.precision == precision
-                    && v.width == width
-                    && v.instruction_set == set
-            })?;
-            let label = if width == 1 { "scalar".into() } else { format!("{set} ×{width}") };
-            Some(Row { label, ink: view.look(method).ink, marks, note })
-        };
-        lanes(view, precision).into_iter().filter_map(row).collect()
-    })
-}
-
-/// All values that rows show, to lay an axis over them.
-fn values(groups: &[Group]) -> impl Iterator<Item = f64> {
-    groups.iter().flat_map(|g| &g.rows).flat_map(|r| &r.marks).flat_map(|mark| match *mark {
-        Mark::Bar(x) | Mark::Point { at: x, .. } => [x, x],
-        Mark::Span(a, b) => [a, b],
-    })
+/// How lanes are told apart in a figure: by their instruction set, or as no lanes at all.
+fn lanes(v: &Variant) -> &'static str {
+    if v.width == 1 { "scalar" } else { v.instruction_set.name() }
 }
 
 /// Pairs of variants that differ in one field only: the first of each has the field as `first`
@@ -212,25 +170,63 @@ fn paired<'a>(
     ratios.collect()
 }
 
-/// Rows of ratios around 1: the mean of each and its worst workload.
+/// Ratios around 1, a row for each method: a point for each kind of lanes, and the workload that gains least.
+/// The method that gains most comes first.
 fn ratios(view: &View, pairs: &[(&Variant, BTreeMap<&str, f64>)], name: &str) -> Drawing {
-    let panels = by_lanes(view, |is| {
-        let mine = || pairs.iter().filter(|(v, _)| is(v)).flat_map(|(_, r)| r);
-        let mean = geometric_mean(mine().map(|(_, ratio)| *ratio))?;
-        let mut by_workload: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-        for (w, ratio) in mine() {
-            by_workload.entry(w).or_default().push(*ratio);
+    let mut sets: Vec<&Variant> = pairs.iter().map(|(v, _)| *v).collect();
+    sets.sort_by_key(|v| (v.width > 1, v.instruction_set));
+    let sets = distinct(sets.into_iter().map(lanes));
+    let row = |method: &str, precision: FloatFormat| {
+        let of = || pairs.iter().filter(|(v, _)| v.method == method && v.precision == precision);
+        let mean = geometric_mean(of().flat_map(|(_, r)| r.values().copied()))?;
+        let mut by_workload: BTreeMap<(&str, &str), Vec<f64>> = BTreeMap::new();
+        for (v, ratios) in of() {
+            for (workload, ratio) in ratios {
+                by_workload.entry((lanes(v), workload)).or_default().push(*ratio);
+            }
         }
-        let means = by_workload.into_values().filter_map(geometric_mean);
-        let worst = means.fold(f64::INFINITY, f64::min);
-        let point = |at, filled| Mark::Point { at, shape: Shape::Circle, filled };
-        let spans = [Mark::Span(worst, mean), Mark::Span(1.0, mean)];
-        Some(([&spans[..], &[point(worst, false), point(mean, true)]].concat(), ratio(mean)))
+        let worst = by_workload.into_values().filter_map(geometric_mean).fold(mean, f64::min);
+        let point = |(place, set): (usize, &&str)| {
+            let mine = of().filter(|(v, _)| lanes(v) == *set);
+            let at = geometric_mean(mine.flat_map(|(_, r)| r.values().copied()))?;
+            let Look { ink, shape } = Look::of(place);
+            Some((ink, Mark::Point { at, shape, filled: true }))
+        };
+        let worst_at = Mark::Point { at: worst, shape: Shape::Circle, filled: false };
+        let ends = [(Ink::Muted, Mark::Span(worst, mean)), (Ink::Muted, worst_at)];
+        let marks = ends.into_iter().chain(sets.iter().enumerate().filter_map(point)).collect();
+        let (label, note) = (method.to_owned(), ratio(mean));
+        Some((mean, Row { label, method: method.to_owned(), marks, note }))
+    };
+    let panels: Vec<(FloatFormat, Vec<Row>)> = view
+        .precisions()
+        .into_iter()
+        .map(|precision| {
+            let rows = view.methods().iter().filter_map(|method| row(method, precision));
+            let mut rows: Vec<(f64, Row)> = rows.collect();
+            rows.sort_by(|a, b| b.0.total_cmp(&a.0));
+            (precision, rows.into_iter().map(|(_, row)| row).collect())
+        })
+        .filter(|(_, rows): &(_, Vec<Row>)| !rows.is_empty())
+        .collect();
+    if panels.is_empty() {
+        return Drawing::default();
+    }
+    let marks = panels.iter().flat_map(|(_, rows)| rows).flat_map(|row| &row.marks);
+    let values = marks.flat_map(|(_, mark)| match *mark {
+        Mark::Bar(x) | Mark::Point { at: x, .. } => [x, x],
+        Mark::Span(a, b) => [a, b],
     });
-    let shown = panels.iter().flat_map(|(_, g)| values(g)).chain([0.9, 1.1]);
-    let axis = Axis::over(name, Scale::Linear, shown, ratio).with_margin();
-    let draw = |(title, groups): (String, _)| Panel::rows(&title, axis.clone(), Some(1.0), groups);
-    Drawing::of(panels.into_iter().map(draw).collect())
+    let axis = Axis::over(name, Scale::Linear, values.chain([0.9, 1.1]), ratio).with_margin();
+    let draw = |(precision, rows): (FloatFormat, _)| {
+        let group = Group { heading: String::new(), rows };
+        Panel::rows(precision.name(), axis.clone(), Some(1.0), vec![group])
+    };
+    let entry = |(place, set): (usize, &&str)| Entry::of(Look::of(place), *set);
+    let mut legend: Vec<Entry> = sets.iter().enumerate().map(entry).collect();
+    let worst = Sample::Point(Look::plain(Ink::Muted), false);
+    legend.push(Entry::new(worst, "the lanes and workload that gain least"));
+    Drawing { panels: panels.into_iter().map(draw).collect(), legend, key: Vec::new() }
 }
 
 fn division(view: &View) -> Section {
@@ -252,24 +248,23 @@ fn early_out(view: &View) -> Section {
 /// The caption of a figure of ratios.
 fn gains(view: &View, says: &str) -> String {
     format!(
-        "Throughput {says}, when asked for {}; right of 1× the former wins. Filled: the geometric mean over \
-         all workloads and over the pairs of variants that differ in nothing else; hollow: the workload that \
-         gains least.",
+        "Throughput {says}, when asked for {}; right of 1× the former wins. A point for each kind of lanes: \
+         the geometric mean over all workloads and over the pairs of variants that differ in nothing else; \
+         the number is that over all lanes. Methods that gain most come first.",
         asked(view)
     )
 }
 
 /// As many lines as can be told apart, without the one that all are compared with.
-const LINES: usize = 7;
+const LINES: usize = 6;
 
 /// The methods that are told apart in figures of lines: the fastest, and the one that all are
 /// compared with.
 pub(crate) fn fastest_methods<'a>(view: &View<'a>) -> Vec<&'a str> {
     let scores = view.comparable(|v| Some(v.needs) == view.main_need()).scores();
-    let mut methods = crate::lines::distinct(scores.iter().map(|(v, _)| v.method.as_ref()));
+    let mut methods = distinct(scores.iter().map(|(v, _)| v.method.as_ref()));
     methods.truncate(LINES);
-    methods.push(BASELINE);
-    methods
+    distinct(methods.into_iter().chain([BASELINE]))
 }
 
 /// Lines of throughput over a series of workloads.
@@ -308,8 +303,8 @@ fn lines(
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (look, title) = (view.look(method), view.title(method));
         let said = format!("{title}: {}, {}", lanes_label(variant), finish_label(variant));
-        lines.legend.push(Entry::of(look, title));
-        lines.series.push(Series::line(look, points));
+        lines.legend.push(Entry::of(look, title).lit_with(method));
+        lines.series.push(Series::line(look, points).of(method));
         lines.said.push(said);
     }
     lines

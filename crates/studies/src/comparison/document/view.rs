@@ -2,10 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use super::figures::fastest_methods;
 use crate::comparison::record::{
     Cracks, Decisions, Error, Family, MethodFacts, Preparation, Quantiles, Refusal, Throughput,
     Workload,
 };
+use crate::lines::distinct;
 use crate::record::{LineKind, Records, Variant};
 use trisect_core::{FloatFormat, MultiplyAdd};
 use trisect_method::{Output, ReciprocalKind};
@@ -90,6 +92,8 @@ pub(crate) struct View<'a> {
     methods: Vec<&'a str>,
     /// Needs that were timed, cheapest first.
     needs: Vec<Output>,
+    /// Methods in the order of their looks: those that are told apart come first.
+    looks: Vec<&'a str>,
 }
 
 impl<'a> View<'a> {
@@ -106,6 +110,7 @@ impl<'a> View<'a> {
             decisions: HashMap::new(),
             methods: Vec::new(),
             needs: Vec::new(),
+            looks: Vec::new(),
         };
         for t in records.all::<Throughput>() {
             if ns_per_test(&t.samples_ns, t.tests).is_some() {
@@ -126,6 +131,8 @@ impl<'a> View<'a> {
         view.methods = view.all_methods();
         let timed: BTreeSet<Output> = view.throughput.keys().map(|v| v.needs).collect();
         view.needs = timed.into_iter().collect();
+        let told = fastest_methods(&view).into_iter();
+        view.looks = distinct(told.chain(view.methods.iter().copied()));
         view
     }
 
@@ -263,11 +270,29 @@ impl<'a> View<'a> {
             .or_else(|| self.pooled_error(of, quantity, |v| v.rounds_like(variant)))
     }
 
+    /// The same of the errors over their condition numbers times the unit roundoff.
+    pub(crate) fn over_condition(&self, variant: &Variant, quantity: &str) -> Option<Quantiles> {
+        let of = (variant.method.as_ref(), variant.precision);
+        let over = |e: &Error| e.over_condition;
+        self.pooled(of, quantity, over, |v| v.computes_like(variant))
+            .or_else(|| self.pooled(of, quantity, over, |v| v.rounds_like(variant)))
+    }
+
     /// The same over the variants of a method and precision that `keep` lets pass.
     pub(crate) fn pooled_error(
         &self,
+        of: (&str, FloatFormat),
+        quantity: &str,
+        keep: impl Fn(&Variant) -> bool,
+    ) -> Option<Quantiles> {
+        self.pooled(of, quantity, |e| Some(e.relative), keep)
+    }
+
+    fn pooled(
+        &self,
         (method, precision): (&str, FloatFormat),
         quantity: &str,
+        error: fn(&Error) -> Option<Quantiles>,
         keep: impl Fn(&Variant) -> bool,
     ) -> Option<Quantiles> {
         let found: Vec<Quantiles> = self
@@ -275,7 +300,7 @@ impl<'a> View<'a> {
             .get(&(method, precision, quantity))?
             .iter()
             .filter(|e| keep(&e.variant))
-            .map(|e| e.relative)
+            .filter_map(|e| error(e))
             .collect();
         let of = |get: fn(&Quantiles) -> f64| {
             let values: Vec<f64> = found.iter().map(get).collect();
@@ -342,8 +367,8 @@ impl<'a> View<'a> {
         self.comparable(keep).scores().first().copied()
     }
 
-    /// The look that a method has in every figure.
+    /// The look that a method has in every figure of lines.
     pub(crate) fn look(&self, method: &str) -> Look {
-        Look::of(self.methods.iter().position(|m| *m == method).unwrap_or(0))
+        Look::of(self.looks.iter().position(|other| *other == method).unwrap_or(0))
     }
 }

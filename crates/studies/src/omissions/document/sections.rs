@@ -147,15 +147,17 @@ fn row_name(omission: &Omission) -> String {
 /// A row for each kind of what is left out, a point for each method, or scene and what is done with it.
 fn costs(records: &Records) -> Section {
     let panel = |(place, (layer, name)): (usize, (Layer, &str))| {
-        let kinds = ratios(records, layer);
+        let mut kinds = ratios(records, layer);
+        kinds.sort_by(|a, b| b.2.total_cmp(&a.2));
         let values = kinds.iter().flat_map(|(_, all, _)| all).copied().chain([1.0]);
         let axis = Axis::over("times as long with it", Scale::Log, values, ratio);
         let row = |(kind, all, mean): &(&str, Vec<f64>, f64)| {
-            let point = |at: f64| Mark::Point { at, shape: Shape::Circle, filled: false };
-            let mean_at = Mark::Point { at: *mean, shape: Shape::Diamond, filled: true };
+            let ink = Look::of(place).ink;
+            let point = |at: f64| (ink, Mark::Point { at, shape: Shape::Circle, filled: false });
+            let mean_at = (ink, Mark::Point { at: *mean, shape: Shape::Diamond, filled: true });
             Row {
                 label: (*kind).to_owned(),
-                ink: Look::of(place).ink,
+                method: String::new(),
                 marks: all.iter().copied().map(point).chain([mean_at]).collect(),
                 note: ratio(*mean),
             }

@@ -1,5 +1,7 @@
 //! What the study of pictures says.
 
+use crate::pictures::measure::LEVELS;
+use crate::pictures::morozov::{self, Row};
 use crate::pictures::record::{FrameSeries, Frames, Picture};
 use crate::record::Records;
 
@@ -47,7 +49,13 @@ pub(crate) fn document(records: &Records) -> Document {
             .part("pictures-techniques"),
         Section::table("sizes", "Sizes and levels", sizes_say, sizes(summary, "size", level))
             .part("pictures-sizes"),
-        Section::table("series", "One thing at a time", series_say, one_at_a_time(records)),
+        morozov(records),
+        Section::table(
+            "series",
+            "One thing at a time, in numbers",
+            series_say,
+            one_at_a_time(records),
+        ),
     ];
     Document {
         title: "Pictures, and what they cost",
@@ -137,6 +145,38 @@ fn techniques(summary: &PictureSummary) -> Table {
         .number("gain", fixed, |t| t.gain)
         .number("together", number, |t| t.together)
         .done()
+}
+
+/// Morozov's tables, ours beside them where the record has any.
+fn morozov(records: &Records) -> Section {
+    let rows: Vec<Row> = morozov::rows().collect();
+    let ours = |row: &Row, level: usize| {
+        records.all::<Frames>().find(|frames| row.is_of(level, frames)).and_then(speed)
+    };
+    let is_measured = records.all::<Frames>().any(|frames| frames.scene == morozov::SCENE);
+    let mut table = Table::of(&rows)
+        .text("what changes", |row| format!("{}. {}", row.table, row.says()))
+        .count("to", |row| row.x.into());
+    for (level, (name, ..)) in LEVELS.into_iter().enumerate() {
+        table = table.number(name, number, move |row| row.frames_per_second[level]);
+        if is_measured {
+            table = table.number("ours", number, move |row| ours(row, level));
+        }
+    }
+    let measured = if is_measured {
+        "ours: his scene (`data/scenes/morozov.toml`) and settings on the machine of this record, by \
+         Möller–Trumbore; this tracer's leaves have 16 or 32 triangles at most, so that his others have no \
+         like here."
+    } else {
+        "This record has none of ours: `trisect pictures --morozov` takes his scene \
+         (`data/scenes/morozov.toml`) and his settings, and puts its own speed beside each."
+    };
+    let says = format!(
+        "Frames per second of A. S. Morozov's ray tracer (2011) on a Core i7-980X, 6 cores, 12 threads at 3.33 \
+         GHz, by the number of his table, at his four levels, which are those of the sizes and levels above. \
+         {measured}"
+    );
+    Section::table("morozov", "Morozov's tables", says, table.done()).part("pictures-morozov")
 }
 
 /// A row per thing and value.

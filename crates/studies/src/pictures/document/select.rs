@@ -1,5 +1,6 @@
 //! Pictures of a record, by series.
 
+use crate::pictures::morozov::SCENE;
 use crate::pictures::record::{FrameSeries, Frames};
 use crate::record::Records;
 
@@ -15,9 +16,9 @@ pub(super) const SERIES: [(FrameSeries, &str); 6] = [
     (FrameSeries::Tiles, "side of a tile, in pixels"),
 ];
 
-/// Pictures of a series, in the record's order.
+/// Pictures of a series of the mirror scene, in the record's order.
 pub(super) fn series(records: &Records, series: FrameSeries) -> impl Iterator<Item = &Frames> {
-    records.all::<Frames>().filter(move |frames| frames.series == series)
+    records.all::<Frames>().filter(move |frames| frames.series == series && frames.scene != SCENE)
 }
 
 /// Frames per second: of the median time.

@@ -99,10 +99,9 @@ impl Shown<'_> {
     /// One line per method in f32: those that are told apart last, so that they lie on top; and that of
     /// the reference in f64.
     fn lines(&self, points_of: impl Fn(&str, FloatFormat) -> Vec<(f64, f64)>) -> Vec<Series> {
-        let others =
-            self.methods(false).map(|method| Series::bare(Ink::Grid, points_of(method, F32)));
+        let others = self.methods(false).map(|m| Series::bare(Ink::Grid, points_of(m, F32)).of(m));
         let told = self.methods(true);
-        let told = told.map(|method| Series::line(self.view.look(method), points_of(method, F32)));
+        let told = told.map(|m| Series::line(self.view.look(m), points_of(m, F32)).of(m));
         let mut series: Vec<Series> = others.chain(told).collect();
         // Where the lines are, and not as far as a wider type goes.
         let shown = || points(&series).map(|p| p.0);
@@ -117,7 +116,10 @@ impl Shown<'_> {
 
     fn legend(&self) -> Vec<Entry> {
         let told = self.methods(true);
-        told.map(|method| Entry::of(self.view.look(method), self.view.title(method))).collect()
+        let entry = |method: &str| {
+            Entry::of(self.view.look(method), self.view.title(method)).lit_with(method)
+        };
+        told.map(entry).collect()
     }
 
     /// A figure of panels of lines.
@@ -239,7 +241,7 @@ impl Shown<'_> {
     }
 
     fn pareto(&self) -> Section {
-        let (timed, _) = plane(self.view);
+        let (timed, ..) = plane(self.view);
         let strata =
             [("Easy: κ below 100", 0.0), ("Stiff: κ below a million", 1e2), ("Extreme", 1e6)];
         let error = |line: &ByCondition, from: f64| {
@@ -296,7 +298,8 @@ impl Shown<'_> {
                     let mine = points
                         .iter()
                         .filter(|(v, _)| v.method == method && v.precision == precision);
-                    series.push(Series::points(look, filled, mine.map(|p| p.1).collect()));
+                    series
+                        .push(Series::points(look, filled, mine.map(|p| p.1).collect()).of(method));
                 }
             }
         }
@@ -329,7 +332,10 @@ fn map(view: &View) -> Section {
             (method.to_owned(), cells)
         };
         let is_studied = |method: &&&str| families(view, method, precision).next().is_some();
-        let rows: Vec<_> = view.methods().iter().filter(is_studied).map(row).collect();
+        let mut rows: Vec<_> = view.methods().iter().filter(is_studied).map(row).collect();
+        // What fails least comes first.
+        let failure = |(_, cells): &(String, Vec<Square>)| cells.iter().map(|c| c.weight).sum();
+        rows.sort_by(|a, b| f64::total_cmp(&failure(a), &failure(b)));
         let columns = (1..=names.len()).map(|i| i.to_string()).collect();
         (!rows.is_empty()).then(|| Panel::Map(Map { title: precision.to_string(), columns, rows }))
     };
@@ -343,7 +349,8 @@ fn map(view: &View) -> Section {
     let caption = "The first level, from easy to hard, at which an answer is wrong by more than a thousandth: \
                    the decision, t relative to itself, or a weight. The earlier in the family's levels, the \
                    larger the square; an empty cell never fails. Plain arithmetic, deferred division where \
-                   the method has it. Decisions within a thousandth of an edge count for nothing here.";
+                   the method has it. Decisions within a thousandth of an edge count for nothing here. Methods that fail least come \
+                   first.";
     Section::figure("stress-map", "Where each method first fails", caption, drawing)
         .missing(NO_STUDY)
 }

@@ -2,7 +2,9 @@
 
 use crate::tracer::record::{Contest, Traced, TreeBuilt};
 
-use super::select::{faster, is_through, middle, scenes, speed, traced, trees};
+use super::select::{
+    against_default, faster, is_single, is_through, middle, scenes, traced, trees,
+};
 use super::summary::{StudyRow, StudySummary, gains};
 use crate::comparison::document::view::{BASELINE, View};
 use crate::lines::distinct;
@@ -51,8 +53,9 @@ fn gain(view: &View, summary: &StudySummary) -> Section {
         let line = [across[0].max(up[0]), across[1].min(up[1])];
         let mut series = vec![Series::bare(Ink::Muted, line.map(|x| (x, x)).into())];
         series.extend(all.iter().map(|&(method, any, at)| {
-            let look = if is_marked(method) { view.look(method) } else { Look::plain(Ink::Grid) };
-            Series::points(look, !any, vec![at])
+            let look = marked.iter().position(|other| *other == method);
+            let look = look.map_or(Look::plain(Ink::Grid), Look::of);
+            Series::points(look, !any, vec![at]).of(method)
         }));
         let (x, y) = (
             Axis::over("kernel", Scale::Log, across, ratio),
@@ -60,9 +63,9 @@ fn gain(view: &View, summary: &StudySummary) -> Section {
         );
         (!all.is_empty()).then(|| Panel::plane(title, x, y, 300, series))
     };
-    let told = view.methods().iter().filter(|method| is_marked(method));
+    let told = marked.iter().enumerate();
     let mut legend: Vec<Entry> =
-        told.map(|&method| Entry::of(view.look(method), view.title(method))).collect();
+        told.map(|(place, m)| Entry::of(Look::of(place), view.title(m)).lit_with(*m)).collect();
     for (ink, filled, text) in [
         (Ink::Grid, true, "other methods"),
         (Ink::Muted, true, "closest hit"),
@@ -86,30 +89,26 @@ fn builders(view: &View) -> Section {
         let (mut series, mut labels) = (Vec::new(), Vec::new());
         let mine = trees(view, Contest::Trees).filter(|tree| tree.scene == scene);
         for (place, tree) in mine.enumerate() {
-            let lines = traced(view, Contest::Trees)
-                .filter(|t| is_through(t, tree) && t.tracing == "single" && t.calls == "batch");
-            let (Some(ns), Some(mrays)) =
-                (middle(&tree.samples_ns), geometric_mean(lines.filter_map(speed)))
-            else {
-                continue;
-            };
-            series.push(Series::points(Look::of(place), true, vec![(ns / 1e6, mrays)]));
+            let speed = against_default(view, |t| is_through(t, tree) && is_single(t));
+            let (Some(ns), Some(speed)) = (middle(&tree.samples_ns), speed) else { continue };
+            series.push(Series::points(Look::of(place), true, vec![(ns / 1e6, speed)]));
             let label = match tree.leaves.as_str() {
                 "cheapest" => tree.builder.clone(),
                 leaves => format!("{leaves} always"),
             };
-            labels.push((ns / 1e6, mrays, label));
+            labels.push((ns / 1e6, speed, label));
         }
         let x = Axis::over("ms to build", Scale::Log, points(&series).map(|p| p.0), tick);
         let speeds = points(&series).map(|p| p.1);
-        let y = Axis::over("million rays per second", Scale::Linear, speeds, tick).with_margin();
+        let y =
+            Axis::over("over the spatial builder's", Scale::Linear, speeds, ratio).with_margin();
         let is_empty = series.is_empty();
         let plane = Plane { labels, ..Plane::new(scene, x, y, 240, series) };
         (!is_empty).then_some(Panel::Plane(plane))
     };
-    let caption = "Trees of Möller–Trumbore, built on all threads, and traced by single rays on one: \
-                   geometric mean over classes, all trees in turn. Up and left is better. The spatial \
-                   builder's tree also with leaves of up to 16 and 32 triangles always, whether cheaper or \
+    let caption = "Trees of Möller–Trumbore, built on all threads, and traced by single rays on one: up, \
+                   their speed over that through the spatial builder's tree, round by round, geometric mean \
+                   over classes. Up and left is better. The spatial builder's tree also with leaves of up to 16 and 32 triangles always, whether cheaper or \
                    not.";
     let drawing = Drawing::of(scenes(view).into_iter().filter_map(panel).collect());
     Section::figure("study-builders", "Builders: time to build against speed", caption, drawing)

@@ -4,7 +4,7 @@ use trisect_report::document::Finding;
 use trisect_report::format::{fixed, grouped, number, or_dash};
 use trisect_report::stats::geometric_mean;
 
-use super::select::{classes, faster, middle, speed, traced, trees};
+use super::select::{against_default, classes, faster, is_single, middle, speed, traced, trees};
 use super::summary::{StudyRow, StudySummary, survival};
 use crate::comparison::document::view::{BASELINE, View};
 use crate::tracer::record::{Contest, Traced, TreeBuilt};
@@ -36,11 +36,6 @@ struct Study<'a> {
 
 fn times(x: f64) -> String {
     format!("{x:.2} times")
-}
-
-/// Whether rays went singly, in one call for all.
-fn is_single(t: &Traced) -> bool {
-    t.tracing == "single" && t.calls == "batch"
 }
 
 impl Study<'_> {
@@ -106,23 +101,6 @@ impl Study<'_> {
         Some(Finding::new("Packets", format!("{} on {} rays", times(best.1), best.0), how))
     }
 
-    /// Geometric mean, over scenes and classes of the trees' contest, of the speed of lines over that
-    /// of the default tree's single rays in one call, round by round.
-    fn against_default(&self, keep: impl Fn(&Traced) -> bool) -> Option<f64> {
-        let all = || traced(self.view, Contest::Trees);
-        let ratios = all().filter(|t| keep(t)).filter_map(|mine| {
-            let is_default = |t: &&Traced| {
-                t.scene == mine.scene
-                    && t.class == mine.class
-                    && t.builder == "spatial"
-                    && t.leaves == "cheapest"
-                    && is_single(t)
-            };
-            faster(&mine.samples_ns, &all().find(is_default)?.samples_ns)
-        });
-        geometric_mean(ratios)
-    }
-
     /// The mean over scenes of a number of a tree over the default tree's.
     fn tree_against_default(
         &self,
@@ -141,7 +119,7 @@ impl Study<'_> {
 
     fn builders(&self) -> Option<Finding> {
         let of = |builder: &str| {
-            let speed = self.against_default(|t| {
+            let speed = against_default(self.view, |t| {
                 t.builder == builder && t.leaves == "cheapest" && is_single(t)
             })?;
             let is_of = |tree: &TreeBuilt| tree.builder == builder && tree.leaves == "cheapest";
@@ -155,7 +133,7 @@ impl Study<'_> {
 
     fn leaves(&self) -> Option<Finding> {
         let of = |leaves: &str| {
-            let speed = self.against_default(|t| t.leaves == leaves)?;
+            let speed = against_default(self.view, |t| t.leaves == leaves)?;
             let bytes = |tree: &TreeBuilt| Some(tree.bytes as f64);
             Some((speed, self.tree_against_default(|tree| tree.leaves == leaves, bytes)?))
         };
@@ -170,7 +148,7 @@ impl Study<'_> {
     }
 
     fn lanes(&self) -> Option<Finding> {
-        let slower = self.against_default(|t| t.tracing == "plain")?;
+        let slower = against_default(self.view, |t| t.tracing == "plain")?;
         let how = "single rays on the fast lanes, eight and fused where the processor has those, against \
                    plain ones, four without fused multiply-add, whose tests of boxes allow for rounding as \
                    well";
@@ -178,7 +156,7 @@ impl Study<'_> {
     }
 
     fn calls(&self) -> Option<Finding> {
-        let slower = self.against_default(|t| t.calls == "ray")?;
+        let slower = against_default(self.view, |t| t.calls == "ray")?;
         let ns = |calls: &str| {
             let mine = traced(self.view, Contest::Trees).filter(|t| {
                 t.tracing == "single"

@@ -40,6 +40,28 @@ pub(super) fn trees<'a>(view: &View<'a>, contest: Contest) -> impl Iterator<Item
     view.all::<TreeBuilt>().filter(move |tree| tree.contest == contest)
 }
 
+/// Whether rays went singly, in one call for all.
+pub(super) fn is_single(traced: &Traced) -> bool {
+    traced.tracing == "single" && traced.calls == "batch"
+}
+
+/// Geometric mean, over scenes and classes of the trees' contest, of the speed of lines over that of the
+/// default tree's single rays in one call, round by round.
+pub(super) fn against_default(view: &View, keep: impl Fn(&Traced) -> bool) -> Option<f64> {
+    let all = || traced(view, Contest::Trees);
+    let ratios = all().filter(|t| keep(t)).filter_map(|mine| {
+        let is_default = |t: &&Traced| {
+            t.scene == mine.scene
+                && t.class == mine.class
+                && t.builder == "spatial"
+                && t.leaves == "cheapest"
+                && is_single(t)
+        };
+        faster(&mine.samples_ns, &all().find(is_default)?.samples_ns)
+    });
+    geometric_mean(ratios)
+}
+
 /// Classes of rays, in the record's order.
 pub(super) fn classes<'a>(view: &View<'a>) -> Vec<&'a str> {
     distinct(view.all::<Traced>().map(|traced| traced.class.as_str()))
