@@ -34,11 +34,10 @@ impl<L: Lanes> Interval<L> {
     #[inline(always)]
     pub fn new(tmin: L, tmax: L) -> Self {
         let end = tmax.constant(L::Elem::largest_t());
-        // A NaN stays, and fails every test.
-        Self {
-            tmin: L::select(tmin.lt(-end), -end, tmin),
-            tmax: L::select(tmax.gt(end), end, tmax),
-        }
+        // A NaN stays, and fails every test; of either end it is in both.
+        let tmin = L::select(tmin.lt(-end), -end, tmin);
+        let tmax = L::select(tmax.gt(end), end, tmax);
+        Self { tmin: tmin + (tmax - tmax), tmax: tmax + (tmin - tmin) }
     }
 }
 
@@ -170,14 +169,14 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Early<R, EARLY_OUT> {
             |det| R::reciprocal(det),
         );
         let one = q.det.constant(L::Elem::from_f64(1.0));
-        let in_time = q.t.ge(interval.tmin) & q.t.le(interval.tmax);
+        let in_time = q.t.le_among(interval.tmax, q.t.ge(interval.tmin));
         let mut mask = seen::<M, L>(in_time, ray, triangle, q.det, culling);
         // With lanes a single branch, after all tests: some lane mostly passes the first, and a branch
         // that is hard to predict costs more than the tests that it skips.
         if L::N == 1 && Self::stops::<L>(mask) {
             return;
         }
-        mask = mask & q.alpha.inside(q.beta, q.gamma, one);
+        mask = q.alpha.inside(q.beta, q.gamma, one, mask);
         if Self::stops::<L>(mask) {
             return;
         }
@@ -211,13 +210,27 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
     ) {
         let h = M::intersect(ray, triangle);
         let front = h.positive();
-        let mask = front.inside();
+        // One number at a time, each test spares the next. Lanes have a single branch, as in the early form, and
+        // behind it what is nearly always true.
+        let one_by_one = L::N == 1;
+        let mut mask = if one_by_one {
+            let mask = front.inside(front.has_reciprocal());
+            if Self::stops::<L>(mask) {
+                return;
+            }
+            mask & front.in_time(interval)
+        } else {
+            front.inside(front.in_time(interval))
+        };
+        mask = seen::<M, L>(mask, ray, triangle, h.det, culling);
         if Self::stops::<L>(mask) {
             return;
         }
-        let mask = seen::<M, L>(mask & front.in_time(interval), ray, triangle, h.det, culling);
-        if Self::stops::<L>(mask) {
-            return;
+        if !one_by_one {
+            mask = mask & front.has_reciprocal();
+            if Self::stops::<L>(mask) {
+                return;
+            }
         }
         found(mask, front.hit(R::reciprocal(front.det)));
     }
@@ -265,24 +278,35 @@ impl<L: Lanes, A: crate::weights::Alpha<L>> Homogeneous<L, A> {
         }
     }
 
-    /// Where the point is inside, of [`positive`](Homogeneous::positive) numbers: no weight is
-    /// negative, and `det` is neither zero nor subnormal.
+    /// `among`, where also the point is inside, of [`positive`](Homogeneous::positive) numbers: no weight is
+    /// negative.
     #[inline(always)]
-    pub fn inside(self) -> L::Mask {
-        let smallest = self.det.constant(L::Elem::smallest_det());
-        self.alpha.inside(self.beta, self.gamma, self.det) & self.det.ge(smallest)
+    pub fn inside(self, among: L::Mask) -> L::Mask {
+        self.alpha.inside(self.beta, self.gamma, self.det, among)
     }
 
-    /// Where `t` is in the interval and `det` has not overflowed, of
+    /// Where `det` is neither zero nor subnormal, and has not overflowed, of
     /// [`positive`](Homogeneous::positive) numbers.
+    #[inline(always)]
+    pub fn has_reciprocal(self) -> L::Mask {
+        self.det.is_within(L::Elem::smallest_det(), L::Elem::largest_t())
+    }
+
+    /// Where `t` is in the interval, of [`positive`](Homogeneous::positive) numbers that
+    /// [have a reciprocal](Homogeneous::has_reciprocal).
     #[inline(always)]
     pub fn in_time(self, interval: Interval<L>) -> L::Mask {
         let zero = self.det.constant(L::Elem::from_f64(0.0));
-        let largest = self.det.constant(L::Elem::largest_t());
+        let Interval { tmin, tmax } = interval;
         // As differences, so that an infinite t against an infinite end is NaN and misses.
-        interval.tmin.mul_sub(self.det, self.t).le(zero)
-            & interval.tmax.mul_sub(self.det, self.t).ge(zero)
-            & self.det.le(largest)
+        let before = tmax.mul_sub(self.det, self.t);
+        if L::ONE_ROUNDING {
+            // No product overflows: where one difference is NaN the other is, too.
+            let after = (-tmin).mul_add(self.det, self.t);
+            after.min(before).ge(zero)
+        } else {
+            before.ge_among(zero, tmin.mul_sub(self.det, self.t).le(zero))
+        }
     }
 
     /// The hit, given `1 / det`.
