@@ -67,18 +67,6 @@ pub trait Lanes: Number {
     fn ge(self, b: Self) -> Self::Mask {
         b.le(self)
     }
-    /// `among`, where also `self ≤ b`: the next of a chain of comparisons, at no more than it costs.
-    #[inline(always)]
-    #[must_use]
-    fn le_among(self, b: Self, among: Self::Mask) -> Self::Mask {
-        among & self.le(b)
-    }
-    /// `among`, where also `self ≥ b`; see [`le_among`](Lanes::le_among).
-    #[inline(always)]
-    #[must_use]
-    fn ge_among(self, b: Self, among: Self::Mask) -> Self::Mask {
-        among & self.ge(b)
-    }
     /// Where `least ≤ self ≤ most`, both of which are positive.
     #[inline(always)]
     fn is_within(self, least: Self::Elem, most: Self::Elem) -> Self::Mask {

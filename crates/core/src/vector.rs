@@ -8,8 +8,8 @@ use core::ops::{Add, Div, Mul, Neg, Sub};
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-use crate::instruction_set::{InstructionSet, Token};
-use crate::lanes::{Float, Lanes, Scalar as _};
+use crate::instruction_set::Token;
+use crate::lanes::{Float, Lanes};
 use crate::number::Number;
 
 /// How `a · b + c` rounds.
@@ -112,11 +112,6 @@ impl<S: Simd, V: SimdFloat<S>, A: Arithmetic> Number for Vector<S, V, A> {
     }
 }
 
-/// Whether comparisons write to registers of their own.
-const fn has_mask_registers<S: Token>() -> bool {
-    matches!(S::INSTRUCTION_SET, InstructionSet::Avx512)
-}
-
 impl<S: Simd + Token, V: SimdFloat<S>, A: Arithmetic> Lanes for Vector<S, V, A>
 where
     V::Element: Float,
@@ -156,26 +151,6 @@ where
     #[inline(always)]
     fn le(self, b: Self) -> V::Mask {
         self.lanes.simd_le(b.lanes)
-    }
-    // Where masks are registers of their own, as in AVX-512, joining two of them takes the unit that
-    // multiplies. A number that is NaN where it must not count is computed so at no cost.
-    #[inline(always)]
-    fn le_among(self, b: Self, among: V::Mask) -> V::Mask {
-        if const { has_mask_registers::<S>() } {
-            let nan = V::splat(self.token(), V::Element::from_f64(f64::NAN));
-            among.select(self.lanes, nan).simd_le(b.lanes)
-        } else {
-            among & self.le(b)
-        }
-    }
-    #[inline(always)]
-    fn ge_among(self, b: Self, among: V::Mask) -> V::Mask {
-        if const { has_mask_registers::<S>() } {
-            let nan = V::splat(self.token(), V::Element::from_f64(f64::NAN));
-            b.lanes.simd_le(among.select(self.lanes, nan))
-        } else {
-            among & self.ge(b)
-        }
     }
     // As whole numbers, what is below the least wraps around to beyond the most, as do negative numbers and NaN.
     #[inline(always)]

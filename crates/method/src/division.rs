@@ -169,14 +169,14 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Early<R, EARLY_OUT> {
             |det| R::reciprocal(det),
         );
         let one = q.det.constant(L::Elem::from_f64(1.0));
-        let in_time = q.t.le_among(interval.tmax, q.t.ge(interval.tmin));
+        let in_time = q.t.ge(interval.tmin) & q.t.le(interval.tmax);
         let mut mask = seen::<M, L>(in_time, ray, triangle, q.det, culling);
         // With lanes a single branch, after all tests: some lane mostly passes the first, and a branch
         // that is hard to predict costs more than the tests that it skips.
         if L::N == 1 && Self::stops::<L>(mask) {
             return;
         }
-        mask = q.alpha.inside(q.beta, q.gamma, one, mask);
+        mask = mask & q.alpha.inside(q.beta, q.gamma, one);
         if Self::stops::<L>(mask) {
             return;
         }
@@ -210,23 +210,20 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
     ) {
         let h = M::intersect(ray, triangle);
         let front = h.positive();
+        let mut mask = front.inside();
         // One number at a time, each test spares the next. Lanes have a single branch, as in the early form, and
-        // behind it what is nearly always true.
-        let one_by_one = L::N == 1;
-        let mut mask = if one_by_one {
-            let mask = front.inside(front.has_reciprocal());
+        // behind it what is nearly always so.
+        if L::N == 1 {
+            mask = mask & front.has_reciprocal();
             if Self::stops::<L>(mask) {
                 return;
             }
-            mask & front.in_time(interval)
-        } else {
-            front.inside(front.in_time(interval))
-        };
-        mask = seen::<M, L>(mask, ray, triangle, h.det, culling);
+        }
+        mask = seen::<M, L>(mask & front.in_time(interval), ray, triangle, h.det, culling);
         if Self::stops::<L>(mask) {
             return;
         }
-        if !one_by_one {
+        if L::N > 1 {
             mask = mask & front.has_reciprocal();
             if Self::stops::<L>(mask) {
                 return;
@@ -278,11 +275,10 @@ impl<L: Lanes, A: crate::weights::Alpha<L>> Homogeneous<L, A> {
         }
     }
 
-    /// `among`, where also the point is inside, of [`positive`](Homogeneous::positive) numbers: no weight is
-    /// negative.
+    /// Where the point is inside, of [`positive`](Homogeneous::positive) numbers: no weight is negative.
     #[inline(always)]
-    pub fn inside(self, among: L::Mask) -> L::Mask {
-        self.alpha.inside(self.beta, self.gamma, self.det, among)
+    pub fn inside(self) -> L::Mask {
+        self.alpha.inside(self.beta, self.gamma, self.det)
     }
 
     /// Where `det` is neither zero nor subnormal, and has not overflowed, of
@@ -305,7 +301,7 @@ impl<L: Lanes, A: crate::weights::Alpha<L>> Homogeneous<L, A> {
             let after = (-tmin).mul_add(self.det, self.t);
             after.min(before).ge(zero)
         } else {
-            before.ge_among(zero, tmin.mul_sub(self.det, self.t).le(zero))
+            tmin.mul_sub(self.det, self.t).le(zero) & before.ge(zero)
         }
     }
 

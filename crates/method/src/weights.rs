@@ -10,8 +10,8 @@ pub trait Alpha<L: Lanes>: Copy {
     /// `alpha` with its sign flipped where `s` is negative.
     #[must_use]
     fn xor_sign(self, s: L) -> Self;
-    /// `among`, where also all weights are at least zero, `whole` being their sum.
-    fn inside(self, beta: L, gamma: L, whole: L, among: L::Mask) -> L::Mask;
+    /// Where all weights are at least zero, `whole` being their sum.
+    fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask;
 }
 
 /// `alpha` is what `beta` and `gamma` leave of the whole: `beta + gamma ≤ whole` is the test.
@@ -28,11 +28,10 @@ impl<L: Lanes> Alpha<L> for Implied {
         self
     }
     #[inline(always)]
-    fn inside(self, beta: L, gamma: L, whole: L, among: L::Mask) -> L::Mask {
+    fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask {
         let zero = whole.constant(L::Elem::from_f64(0.0));
-        // A NaN that the lesser of two loses is in their sum.
-        let among = beta.min(gamma).ge_among(zero, among);
-        (beta + gamma).le_among(whole, among)
+        // One comparison less; a NaN that the lesser of the two loses is in their sum.
+        beta.min(gamma).ge(zero) & (beta + gamma).le(whole)
     }
 }
 
@@ -51,8 +50,8 @@ impl<L: Lanes> Alpha<L> for Given<L> {
         Self(self.0.xor_sign(s))
     }
     #[inline(always)]
-    fn inside(self, beta: L, gamma: L, whole: L, among: L::Mask) -> L::Mask {
+    fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask {
         let zero = whole.constant(L::Elem::from_f64(0.0));
-        gamma.ge_among(zero, beta.ge_among(zero, self.0.ge_among(zero, among)))
+        self.0.ge(zero) & beta.ge(zero) & gamma.ge(zero)
     }
 }

@@ -112,7 +112,7 @@ fn exact<M: Method>(ray: &Ray<Exact>, triangle: &Triangle<Exact>) -> Vec<ExactAn
     let mut answers = Vec::new();
     if const { M::INFO.forms.early() } {
         let q = M::intersect_early(&prepared.ray, &prepared.triangle, |x| one / x);
-        let inside = q.alpha.inside(q.beta, q.gamma, one, true);
+        let inside = q.alpha.inside(q.beta, q.gamma, one);
         answers.push(ExactAnswer {
             form: Form::Early,
             hit: q.hit(),
@@ -125,7 +125,7 @@ fn exact<M: Method>(ray: &Ray<Exact>, triangle: &Triangle<Exact>) -> Vec<ExactAn
         let hit = Hit { t: h.t / h.det, beta: h.beta / h.det, gamma: h.gamma / h.det };
         let facing = facing(h.det);
         let p = h.positive();
-        let inside = p.alpha.inside(p.beta, p.gamma, p.det, true);
+        let inside = p.alpha.inside(p.beta, p.gamma, p.det);
         answers.push(ExactAnswer { form: Form::Deferred, hit, inside, facing });
     }
     answers

@@ -45,10 +45,10 @@ impl<L: Lanes> Alpha<L> for Tolerant<L> {
         Self(self.0.xor_sign(s))
     }
     #[inline(always)]
-    fn inside(self, beta: L, gamma: L, whole: L, among: L::Mask) -> L::Mask {
+    fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask {
         let ulp = L::Elem::unit_roundoff() + L::Elem::unit_roundoff();
         let least = -(whole * whole.constant(ulp));
-        gamma.ge_among(least, beta.ge_among(least, self.0.ge_among(least, among)))
+        self.0.ge(least) & beta.ge(least) & gamma.ge(least)
     }
 }
 
