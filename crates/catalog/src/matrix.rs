@@ -8,7 +8,7 @@
 
 use std::marker::PhantomData;
 
-use trisect_core::{InstructionSet, Lanes, LanesVisitor, Precision, Token};
+use trisect_core::{Lanes, LanesVisitor, Precision, Token};
 use trisect_kernels::{CommonDirection, CommonOrigin};
 use trisect_method::{
     Barycentrics, DecisionOnly, Deferred, Distance, Division, Early, Form, Method, Needs, Newton,
@@ -187,9 +187,5 @@ const fn newton_differs<L: Lanes>() -> bool {
 
 /// Whether these are plain lanes of an instruction set with fused multiply-add.
 const fn has_fused_twin<L: Lanes>() -> bool {
-    let fuses = matches!(
-        L::Token::INSTRUCTION_SET,
-        InstructionSet::Avx2 | InstructionSet::Avx512 | InstructionSet::Neon
-    );
-    fuses && !L::FUSED
+    L::Token::INSTRUCTION_SET.has_fused_multiply_add() && !L::FUSED
 }

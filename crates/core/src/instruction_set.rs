@@ -24,6 +24,11 @@ named! {
 }
 
 impl InstructionSet {
+    /// Whether it has fused multiply-add.
+    pub const fn has_fused_multiply_add(self) -> bool {
+        matches!(self, Self::Avx2 | Self::Avx512 | Self::Neon)
+    }
+
     /// Whether this processor has the instructions.
     pub fn is_available(self) -> bool {
         let level = Level::new();

@@ -24,6 +24,8 @@ pub trait Lanes: Number {
     type Token: Token;
     /// Whether the lanes were asked to round `a · b + c` once; see [`Fused`](crate::Fused).
     const FUSED: bool;
+    /// Whether `a · b + c` is rounded once, so that no product in it overflows.
+    const ONE_ROUNDING: bool = false;
     /// How many lanes.
     const N: usize;
 
@@ -64,6 +66,11 @@ pub trait Lanes: Number {
     #[inline(always)]
     fn ge(self, b: Self) -> Self::Mask {
         b.le(self)
+    }
+    /// Where `least ≤ self ≤ most`, both of which are positive.
+    #[inline(always)]
+    fn is_within(self, least: Self::Elem, most: Self::Elem) -> Self::Mask {
+        self.ge(self.constant(least)) & self.le(self.constant(most))
     }
     /// `self` with its sign flipped where `s` is negative (sign bit set): `|s|` is
     /// `s.xor_sign(s)`.

@@ -115,11 +115,13 @@ impl<S: Simd, V: SimdFloat<S>, A: Arithmetic> Number for Vector<S, V, A> {
 impl<S: Simd + Token, V: SimdFloat<S>, A: Arithmetic> Lanes for Vector<S, V, A>
 where
     V::Element: Float,
+    V::Bits: SimdBase<S, Mask = V::Mask>,
 {
     type Elem = V::Element;
     type Mask = V::Mask;
     type Token = S;
     const FUSED: bool = A::FUSED;
+    const ONE_ROUNDING: bool = A::FUSED && S::INSTRUCTION_SET.has_fused_multiply_add();
     const N: usize = V::LEN;
 
     #[inline(always)]
@@ -149,6 +151,13 @@ where
     #[inline(always)]
     fn le(self, b: Self) -> V::Mask {
         self.lanes.simd_le(b.lanes)
+    }
+    // As whole numbers, what is below the least wraps around to beyond the most, as do negative numbers and NaN.
+    #[inline(always)]
+    fn is_within(self, least: V::Element, most: V::Element) -> V::Mask {
+        let bits = |x| -> V::Bits { V::splat(self.token(), x).bitcast() };
+        let lanes: V::Bits = self.lanes.bitcast();
+        (lanes - bits(least)).simd_le(bits(most) - bits(least))
     }
     #[inline(always)]
     fn xor_sign(self, s: Self) -> Self {

@@ -34,11 +34,10 @@ impl<L: Lanes> Interval<L> {
     #[inline(always)]
     pub fn new(tmin: L, tmax: L) -> Self {
         let end = tmax.constant(L::Elem::largest_t());
-        // A NaN stays, and fails every test.
-        Self {
-            tmin: L::select(tmin.lt(-end), -end, tmin),
-            tmax: L::select(tmax.gt(end), end, tmax),
-        }
+        // A NaN stays, and fails every test; of either end it is in both.
+        let tmin = L::select(tmin.lt(-end), -end, tmin);
+        let tmax = L::select(tmax.gt(end), end, tmax);
+        Self { tmin: tmin + (tmax - tmax), tmax: tmax + (tmin - tmin) }
     }
 }
 
@@ -211,13 +210,24 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
     ) {
         let h = M::intersect(ray, triangle);
         let front = h.positive();
-        let mask = front.inside();
+        let mut mask = front.inside();
+        // One number at a time, each test spares the next. Lanes have a single branch, as in the early form, and
+        // behind it what is nearly always so.
+        if L::N == 1 {
+            mask = mask & front.has_reciprocal();
+            if Self::stops::<L>(mask) {
+                return;
+            }
+        }
+        mask = seen::<M, L>(mask & front.in_time(interval), ray, triangle, h.det, culling);
         if Self::stops::<L>(mask) {
             return;
         }
-        let mask = seen::<M, L>(mask & front.in_time(interval), ray, triangle, h.det, culling);
-        if Self::stops::<L>(mask) {
-            return;
+        if L::N > 1 {
+            mask = mask & front.has_reciprocal();
+            if Self::stops::<L>(mask) {
+                return;
+            }
         }
         found(mask, front.hit(R::reciprocal(front.det)));
     }
@@ -265,24 +275,34 @@ impl<L: Lanes, A: crate::weights::Alpha<L>> Homogeneous<L, A> {
         }
     }
 
-    /// Where the point is inside, of [`positive`](Homogeneous::positive) numbers: no weight is
-    /// negative, and `det` is neither zero nor subnormal.
+    /// Where the point is inside, of [`positive`](Homogeneous::positive) numbers: no weight is negative.
     #[inline(always)]
     pub fn inside(self) -> L::Mask {
-        let smallest = self.det.constant(L::Elem::smallest_det());
-        self.alpha.inside(self.beta, self.gamma, self.det) & self.det.ge(smallest)
+        self.alpha.inside(self.beta, self.gamma, self.det)
     }
 
-    /// Where `t` is in the interval and `det` has not overflowed, of
+    /// Where `det` is neither zero nor subnormal, and has not overflowed, of
     /// [`positive`](Homogeneous::positive) numbers.
+    #[inline(always)]
+    pub fn has_reciprocal(self) -> L::Mask {
+        self.det.is_within(L::Elem::smallest_det(), L::Elem::largest_t())
+    }
+
+    /// Where `t` is in the interval, of [`positive`](Homogeneous::positive) numbers that
+    /// [have a reciprocal](Homogeneous::has_reciprocal).
     #[inline(always)]
     pub fn in_time(self, interval: Interval<L>) -> L::Mask {
         let zero = self.det.constant(L::Elem::from_f64(0.0));
-        let largest = self.det.constant(L::Elem::largest_t());
+        let Interval { tmin, tmax } = interval;
         // As differences, so that an infinite t against an infinite end is NaN and misses.
-        interval.tmin.mul_sub(self.det, self.t).le(zero)
-            & interval.tmax.mul_sub(self.det, self.t).ge(zero)
-            & self.det.le(largest)
+        let before = tmax.mul_sub(self.det, self.t);
+        if L::ONE_ROUNDING {
+            // No product overflows: where one difference is NaN the other is, too.
+            let after = (-tmin).mul_add(self.det, self.t);
+            after.min(before).ge(zero)
+        } else {
+            tmin.mul_sub(self.det, self.t).le(zero) & before.ge(zero)
+        }
     }
 
     /// The hit, given `1 / det`.

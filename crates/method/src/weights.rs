@@ -30,7 +30,8 @@ impl<L: Lanes> Alpha<L> for Implied {
     #[inline(always)]
     fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask {
         let zero = whole.constant(L::Elem::from_f64(0.0));
-        beta.ge(zero) & gamma.ge(zero) & (beta + gamma).le(whole)
+        // One comparison less; a NaN that the lesser of the two loses is in their sum.
+        beta.min(gamma).ge(zero) & (beta + gamma).le(whole)
     }
 }
 

@@ -172,7 +172,7 @@ impl<const ORDER: u8> PublishedOrder<ORDER> {
         let q = q_ahead.unwrap_or_else(|| s.cross(triangle.e1));
         let (gamma, t) = finish(ray, &triangle, q);
         let h = Homogeneous { det, t, alpha: Implied, beta, gamma }.positive();
-        let mask = h.inside();
+        let mask = h.inside() & h.has_reciprocal();
         if D::stops::<L>(mask) {
             return;
         }
