@@ -4,6 +4,7 @@
     reason = "intrinsics, loads through pointers, and calls of functions with features"
 )]
 
+#[allow(clippy::wildcard_imports, reason = "intrinsics have names of their own")]
 use std::arch::x86_64::*;
 
 /// Instructions that the processor has, and what a loop is written in.
