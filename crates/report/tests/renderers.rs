@@ -183,7 +183,8 @@ fn figures_mark_what_is_of_a_method() {
         };
         assert_eq!(of("<method>").count(), 1, "{name}: a row");
         assert_eq!(of("first").count(), 2, "{name}: a line and its label");
-        let said = of("first").flat_map(|node| node.children()).find(|n| n.has_tag_name("title"));
+        let said =
+            of("first").flat_map(roxmltree::Node::children).find(|n| n.has_tag_name("title"));
         assert_eq!(said.and_then(|node| node.text()), Some("first: 1 & more"), "{name}");
     }
     assert!(page.html.contains("data-method=\"first\""));
