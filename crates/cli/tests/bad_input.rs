@@ -454,7 +454,7 @@ fn records() {
         (rest, "line 1 is not a record header; make a record with `trisect measure --output FILE`"),
         (
             other.as_str(),
-            "line 1: the record has schema 9, this trisect reads schema 8; measure again with \
+            "line 1: the record has schema 10, this trisect reads schema 9; measure again with \
              this version",
         ),
         (cut, "line 2: …; the file is damaged, measure again"),

@@ -272,10 +272,8 @@ fn well_formed(name: &str) {
             .collect();
         for text in tree.descendants().filter(|n| n.has_tag_name("text")) {
             // What a text does not say it has of the whole drawing.
-            let at = |a: &str| {
-                let said = text.attribute(a).or_else(|| root.attribute(a)).expect("a place");
-                said.parse::<f64>().expect("a number")
-            };
+            let said = |a: &str| text.attribute(a).or_else(|| root.attribute(a));
+            let at = |a: &str| said(a).expect("a place").parse::<f64>().expect("a number");
             assert!((0.0..=view[2]).contains(&at("x")) && (0.0..=view[3]).contains(&at("y")));
             assert!(at("font-size") >= 12.0, "{name}: {text:?}");
         }

@@ -289,7 +289,13 @@ impl Drawing<'_, '_> {
         Ok(())
     }
 
-    /// The rows of Morozov's tables at each of his levels. What this tracer has no like of, leaves of other sizes
+    /// A picture of Morozov's as this study asks for it.
+    fn asked(&self, Asked { size, samples, depth, lights }: Asked) -> Settings {
+        let sampling = Sampling::Circle(samples);
+        Settings { sampling, depth, lights, ..base(self.study.size(size)) }
+    }
+
+    /// Morozov's headline settings, and the rows of his tables at each of his levels. What this tracer has no like of, leaves of other sizes
     /// than its own, is left out.
     fn morozov(&mut self) -> Result<(), StudyError> {
         let scene = Scene::shipped(&format!("scenes/{}.toml", morozov::SCENE))?;
@@ -300,6 +306,21 @@ impl Drawing<'_, '_> {
             };
             (leaves, stage(&scene, tree))
         });
+        let (leaves, stage) = &trees[0];
+        let usual = (stage, *leaves, REFERENCE);
+        let mut goals: Vec<_> = morozov::GOALS
+            .into_iter()
+            .map(|(asked, _)| {
+                let (series, settings) = (FrameSeries::Goal, self.asked(asked));
+                let mut goal = Self::contender(series, asked.name(), usual, settings, &all);
+                morozov::SCENE.clone_into(&mut goal.frames.scene);
+                goal
+            })
+            .collect();
+        let steps = goals.len() * (self.study.rounds + 1);
+        self.run.progress.phase("Morozov's headline pictures", steps as u64);
+        self.race(&mut goals)?;
+        self.run.lines.extend(goals.into_iter().map(|goal| goal.frames.into()));
         for series in [
             FrameSeries::Threads,
             FrameSeries::Samples,
@@ -326,12 +347,9 @@ impl Drawing<'_, '_> {
                         }
                         _ => &trees[0],
                     };
-                    let Asked { size, samples, depth, lights } = row.at(level);
-                    let size = self.study.size(size);
-                    let sampling = Sampling::Circle(samples);
-                    let mut settings = Settings { sampling, depth, lights, ..base(size) };
+                    let mut settings = self.asked(row.at(level));
                     if series == FrameSeries::Tiles {
-                        settings.tile = morozov::tile_of(row.x, self.study.threads, size);
+                        settings.tile = morozov::tile_of(row.x, self.study.threads, settings.size);
                     }
                     let pool = pool.as_ref().unwrap_or(&all);
                     let of = (stage, *leaves, REFERENCE);

@@ -28,6 +28,26 @@ pub(super) struct Asked {
     pub lights: usize,
 }
 
+/// The settings that he sums his tracer up by (section 5.7), with his frames per second.
+pub(super) const GOALS: [(Asked, f64); 3] = [
+    (Asked { size: [640, 480], samples: 1, depth: 16, lights: 1 }, 36.0),
+    (Asked { size: [1024, 768], samples: 6, depth: 16, lights: 1 }, 2.5),
+    (Asked { size: [1920, 1080], samples: 12, depth: 16, lights: 8 }, 0.198),
+];
+
+impl Asked {
+    /// What the picture is called in a record.
+    pub(super) fn name(&self) -> String {
+        let Self { size: [width, height], samples, depth, lights } = self;
+        format!("{width}×{height} {samples}/{depth}/{lights}")
+    }
+
+    /// Whether these are pictures of it.
+    pub(super) fn is_of(&self, frames: &Frames) -> bool {
+        frames.scene == SCENE && frames.series == FrameSeries::Goal && frames.name == self.name()
+    }
+}
+
 /// All rows, in the order of his tables.
 pub(super) fn rows() -> impl Iterator<Item = Row> {
     let lines = include_str!("morozov.tsv").lines().filter(|line| !line.starts_with('#'));

@@ -1,7 +1,7 @@
 //! What the study of pictures says.
 
 use crate::pictures::measure::LEVELS;
-use crate::pictures::morozov::{self, Row};
+use crate::pictures::morozov::{self, Asked, Row};
 use crate::pictures::record::{FrameSeries, Frames, Picture};
 use crate::record::Records;
 
@@ -49,6 +49,7 @@ pub(crate) fn document(records: &Records) -> Document {
             .part("pictures-techniques"),
         Section::table("sizes", "Sizes and levels", sizes_say, sizes(summary, "size", level))
             .part("pictures-sizes"),
+        morozov_goals(records),
         morozov(records),
         Section::table(
             "series",
@@ -145,6 +146,21 @@ fn techniques(summary: &PictureSummary) -> Table {
         .number("gain", fixed, |t| t.gain)
         .number("together", number, |t| t.together)
         .done()
+}
+
+/// Morozov's headline settings, ours beside them.
+fn morozov_goals(records: &Records) -> Section {
+    let ours =
+        |asked: Asked| records.all::<Frames>().find(|frames| asked.is_of(frames)).and_then(speed);
+    let table = Table::of(&morozov::GOALS)
+        .name("setting", |(asked, _)| asked.name())
+        .number("Morozov", number, |(_, his)| *his)
+        .number("ours", number, |(asked, _)| ours(*asked))
+        .done();
+    let says = "Frames per second at the settings that A. S. Morozov sums his tracer up by: size, then samples of a \
+                pixel, depth and lights; a dash where the record has none of ours.";
+    Section::table("morozov-goals", "Morozov's headline settings", says, table)
+        .part("pictures-morozov")
 }
 
 /// Morozov's tables, ours beside them where the record has any.
