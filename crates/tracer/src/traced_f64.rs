@@ -1,9 +1,9 @@
 //! Trees of f64: their boxes are those of a tree of f32, in a [frame](crate::bvh::frame) of its own, and their leaves
-//! are tested in f64. Rays go down alone, whatever is asked of how many.
+//! are tested in f64. Rays of a batch go down each on its own way, never in packets.
 
 use std::ops::Range;
 
-use trisect_core::{Lanes, Ray, Token, Triangle};
+use trisect_core::{Lanes, Ray, Token, Triangle, Vec3};
 use trisect_method::{Culling, ExactMethod, Method, Refine, UnsuitableMesh};
 
 use crate::bvh::builders::settings::{Builder, Leaves};
@@ -18,13 +18,13 @@ use crate::leaf::erased::{LeafData, MethodLeaves};
 use crate::leaf::exact::Exactly;
 use crate::leaf::query::{Hits, HitsOf, LeafQuery, Queries};
 use crate::leaf::single::{AtLeaf, Rounded, test_ray};
-use crate::parallel::fill;
+use crate::parallel::{self, PART, Task, fill};
 use crate::precision::{Entry, Real as _};
 use crate::query::{Any, Widened};
-use crate::rays::batch::{Rays, Work};
+use crate::rays::batch::{NO_RAY, RAYS, Rays, Work};
 use crate::traced::{TracedIn, built};
 use crate::traverse::target::Target;
-use crate::traverse::trace::TraceOne;
+use crate::traverse::trace::{TraceOne, TraceSingly};
 
 /// A tree with the leaves of a method.
 struct TreeOf<M: Method, K> {
@@ -82,40 +82,90 @@ impl<M: Method, K: Queries<M, f64>> TreeOf<M, K> {
         match f64::enter(self.tree.frame.as_ref(), &ray) {
             Entry::Missed => Some(()),
             Entry::Boxes(boxed, span) => {
-                let seed = Alone { ray: ray.map(|&x| [x]), span };
+                let seed = Given { rays: ray.map(|&x| [x]), spans: [span] };
                 on_fast_lanes(TraceOne { target: self, seed, query, ray: &boxed, found })
             }
             Entry::Everywhere => None,
         }
     }
 
-    /// The way of queries for more than the nearest hit, which is compiled for every processor.
-    fn source(&self, tracing: Tracing, culling: Culling) -> Source<'_, f64> {
-        let (lanes, crossings) = (lanes_of(tracing), Crossings::Every);
-        Source { traced: self, lanes, culling, crossings, counted: None }
+    /// Traces rays in such a loop on the threads of the pool that it is called in, or each by `other`.
+    fn trace_all<Q: LeafQuery<M, f64>>(
+        &self,
+        query: Q,
+        rays: &[Ray<f64>],
+        found: &mut [Q::Output],
+        other: impl Fn(&Ray<f64>) -> Q::Output + Sync,
+    ) {
+        let other = &other;
+        let parts = rays.chunks(PART).zip(found.chunks_mut(PART));
+        parallel::all(parts.map(|(rays, found)| -> Task<'_> {
+            Box::new(move || {
+                for (rays, found) in rays.chunks(RAYS).zip(found.chunks_mut(RAYS)) {
+                    self.trace_batch(query, rays, found, other);
+                }
+            })
+        }));
     }
 
-    fn closest_by(
+    /// The same for [so many rays](RAYS) at most, by the calling thread.
+    fn trace_batch<Q: LeafQuery<M, f64>>(
+        &self,
+        query: Q,
+        rays: &[Ray<f64>],
+        found: &mut [Q::Output],
+        other: &impl Fn(&Ray<f64>) -> Q::Output,
+    ) {
+        let mut boxed = [NO_RAY; RAYS];
+        let mut seed = Given::<RAYS>::NOTHING;
+        let mut others = 0_u64;
+        for (index, ray) in rays.iter().enumerate() {
+            let ray = as_tested(ray);
+            match f64::enter(self.tree.frame.as_ref(), &ray) {
+                Entry::Missed => {}
+                Entry::Boxes(entered, span) => {
+                    boxed[index] = entered;
+                    seed.set(index, &ray, span);
+                }
+                Entry::Everywhere => others |= 1 << index,
+            }
+        }
+        let boxed = &boxed[..rays.len()];
+        let (target, query) = (self, query);
+        if on_fast_lanes(TraceSingly { target, seed, query, rays: boxed, found }).is_none() {
+            others = u64::MAX;
+        }
+        for (index, (ray, found)) in rays.iter().zip(found).enumerate() {
+            if others >> index & 1 != 0 {
+                *found = other(ray);
+            }
+        }
+    }
+
+    /// The nearest hit by the way of queries for more than that, which is compiled for every processor.
+    fn closest_by_walk(
         &self,
         tracing: Tracing,
         culling: Culling,
         ray: &Ray<f64>,
     ) -> Option<TriangleHit<f64>> {
-        let mut found = None;
-        let query = K::closest::<Widened, Culling>(culling);
-        if tracing != Tracing::Plain && self.trace(query, ray, &mut found).is_some() {
-            return found;
-        }
-        self.source(tracing, culling).filtered(ray, &mut |_| Verdict::Accept)
+        self.first(tracing, culling, ray, Verdict::Accept)
     }
 
-    fn any_by(&self, tracing: Tracing, culling: Culling, ray: &Ray<f64>) -> bool {
-        let mut found = false;
-        let query = Any::<Widened, Culling>::new(culling);
-        if tracing != Tracing::Plain && self.trace(query, ray, &mut found).is_some() {
-            return found;
-        }
-        self.source(tracing, culling).filtered(ray, &mut |_| Verdict::End).is_some()
+    fn any_by_walk(&self, tracing: Tracing, culling: Culling, ray: &Ray<f64>) -> bool {
+        self.first(tracing, culling, ray, Verdict::End).is_some()
+    }
+
+    fn first(
+        &self,
+        tracing: Tracing,
+        culling: Culling,
+        ray: &Ray<f64>,
+        verdict: Verdict,
+    ) -> Option<TriangleHit<f64>> {
+        let (lanes, crossings) = (lanes_of(tracing), Crossings::Every);
+        let source = Source { traced: self, lanes, culling, crossings, counted: None };
+        source.filtered(ray, &mut |_| verdict)
     }
 }
 
@@ -140,57 +190,93 @@ impl<M: Method, K: Queries<M, f64>> TracedIn<f64> for TreeOf<M, K> {
         found: &mut [Option<TriangleHit<f64>>],
     ) {
         assert_room(rays, found);
-        fill(rays, found, |_, ray| self.closest_by(tracing, culling, ray));
+        let by_walk = |ray: &Ray<f64>| self.closest_by_walk(tracing, culling, ray);
+        if tracing == Tracing::Plain {
+            fill(rays, found, |_, ray| by_walk(ray));
+        } else {
+            self.trace_all(K::closest::<Widened, Culling>(culling), rays, found, by_walk);
+        }
     }
 
     fn any(&self, tracing: Tracing, culling: Culling, rays: &[Ray<f64>], found: &mut [bool]) {
         assert_room(rays, found);
-        fill(rays, found, |_, ray| self.any_by(tracing, culling, ray));
+        let by_walk = |ray: &Ray<f64>| self.any_by_walk(tracing, culling, ray);
+        if tracing == Tracing::Plain {
+            fill(rays, found, |_, ray| by_walk(ray));
+        } else {
+            self.trace_all(Any::<Widened, Culling>::new(culling), rays, found, by_walk);
+        }
     }
 
     fn closest_hit(&self, culling: Culling, ray: &Ray<f64>) -> Option<TriangleHit<f64>> {
-        self.closest_by(Tracing::Single, culling, ray)
+        let mut found = None;
+        match self.trace(K::closest::<Widened, Culling>(culling), ray, &mut found) {
+            Some(()) => found,
+            None => self.closest_by_walk(Tracing::Single, culling, ray),
+        }
     }
 
     fn any_hit(&self, culling: Culling, ray: &Ray<f64>) -> bool {
-        self.any_by(Tracing::Single, culling, ray)
+        let mut found = false;
+        match self.trace(Any::<Widened, Culling>::new(culling), ray, &mut found) {
+            Some(()) => found,
+            None => self.any_by_walk(Tracing::Single, culling, ray),
+        }
     }
 }
 
-/// A ray, as leaves are asked about it, and how it goes through boxes.
-struct Alone {
-    ray: Ray<[f64; 1]>,
-    span: Span,
+/// Rays, as leaves are asked about them, and how they go through boxes.
+struct Given<const N: usize> {
+    rays: Ray<[f64; N]>,
+    spans: [Span; N],
 }
 
-impl Rays<f64, 1> for Alone {
+impl Given<RAYS> {
+    const NOTHING: Self = {
+        let zeros = Vec3::new([0.0; RAYS], [0.0; RAYS], [0.0; RAYS]);
+        let rays = Ray { o: zeros, d: zeros, tmin: [0.0; RAYS], tmax: [0.0; RAYS] };
+        Self { rays, spans: [Span::NOTHING; RAYS] }
+    };
+
+    fn set(&mut self, index: usize, ray: &Ray<f64>, span: Span) {
+        let Ray { o, d, tmin, tmax } = &mut self.rays;
+        (o.x[index], o.y[index], o.z[index]) = (ray.o.x, ray.o.y, ray.o.z);
+        (d.x[index], d.y[index], d.z[index]) = (ray.d.x, ray.d.y, ray.d.z);
+        (tmin[index], tmax[index], self.spans[index]) = (ray.tmin, ray.tmax, span);
+    }
+}
+
+impl<const N: usize> Rays<f64, N> for Given<N> {
     #[inline(always)]
-    fn one(&self, _: usize) -> Ray<f64> {
-        self.ray.map(|&[x]| x)
+    fn one(&self, index: usize) -> Ray<f64> {
+        let Ray { o, d, tmin, tmax } = &self.rays;
+        let at = index % N;
+        let (o, d) = (Vec3::new(o.x[at], o.y[at], o.z[at]), Vec3::new(d.x[at], d.y[at], d.z[at]));
+        Ray { o, d, tmin: tmin[at], tmax: tmax[at] }
     }
 
     #[inline(always)]
-    fn rows(&self) -> Ray<&[f64; 1]> {
-        let Ray { o, d, tmin, tmax } = &self.ray;
+    fn rows(&self) -> Ray<&[f64; N]> {
+        let Ray { o, d, tmin, tmax } = &self.rays;
         Ray { o: o.each_ref(), d: d.each_ref(), tmin, tmax }
     }
 }
 
-/// A ray, and what is known of its hits.
-struct Asked<H> {
-    ray: Alone,
+/// Rays, and what is known of their hits.
+struct Asked<H, const N: usize> {
+    given: Given<N>,
     hits: H,
 }
 
-impl<'a, M, K, Q> Target<'a, Q, 1> for &'a TreeOf<M, K>
+impl<'a, M, K, Q, const N: usize> Target<'a, Q, N> for &'a TreeOf<M, K>
 where
     M: Method,
     K: Queries<M, f64>,
     Q: LeafQuery<M, f64>,
 {
     const LINES: bool = false;
-    type Hits = Asked<HitsOf<M, Q, f64, 1>>;
-    type Seed = Alone;
+    type Hits = Asked<HitsOf<M, Q, f64, N>, N>;
+    type Seed = Given<N>;
 
     #[inline(always)]
     fn tree(self) -> &'a WideTree {
@@ -198,8 +284,8 @@ where
     }
 
     #[inline(always)]
-    fn hits(ray: Alone) -> Self::Hits {
-        Asked { ray, hits: Hits::new::<M, f64, Q>() }
+    fn hits(given: Given<N>) -> Self::Hits {
+        Asked { given, hits: Hits::new::<M, f64, Q>() }
     }
 
     #[inline(always)]
@@ -212,24 +298,24 @@ where
         self,
         token: L::Token,
         query: Q,
-        Work { rays, hits: Asked { ray, hits } }: &mut Work<Self::Hits, 1>,
+        Work { rays, hits: Asked { given, hits } }: &mut Work<Self::Hits, N>,
         index: usize,
         leaf: Range<usize>,
     ) -> bool {
-        let [best] = &mut hits.best;
-        let at_leaf = AtLeaf { blocks: &self.leaves.blocks, query, ray: ray.one(index) };
+        let best = &mut hits.best[index % N];
+        let at_leaf = AtLeaf { blocks: &self.leaves.blocks, query, ray: given.one(index) };
         let tmax = at_leaf.ray.tmax;
-        let is_hit = test_ray::<M, f64, <L::Token as Token>::Doubles, Q, 1>(
+        let is_hit = test_ray::<M, f64, <L::Token as Token>::Doubles, Q, N>(
             token,
             at_leaf,
             leaf,
-            (&*ray, index),
+            (&*given, index),
             best,
         );
         if is_hit {
             let end = Q::end(best, tmax);
-            ray.ray.tmax = [end];
-            rays.end(index, ray.span.end(end));
+            given.rays.tmax[index % N] = end;
+            rays.end(index, given.spans[index % N].end(end));
         }
         is_hit
     }
@@ -237,8 +323,8 @@ where
     #[inline(always)]
     fn finish<L: Lanes>(
         self,
-        Work { hits: Asked { ray, hits }, .. }: &mut Work<Self::Hits, 1>,
-    ) -> &[Q::Found; 1] {
-        Q::finish::<L, 1>(&self.leaves.blocks, ray, hits)
+        Work { hits: Asked { given, hits }, .. }: &mut Work<Self::Hits, N>,
+    ) -> &[Q::Found; N] {
+        Q::finish::<L, N>(&self.leaves.blocks, given, hits)
     }
 }

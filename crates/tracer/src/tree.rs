@@ -195,8 +195,7 @@ pub trait Tree<P: Precision = f32>: Send + Sync {
 /// [`ErasedBvh`] has the method behind calls.
 ///
 /// In f64 rays and triangles are tested as they are given; boxes are in f32, and so much larger that no true hit is lost,
-/// wherever it is in the range of f64. Rays go down the tree one by one there, whichever [`Tracing`] is asked for;
-/// [`Tracing::Plain`] stands for itself.
+/// wherever it is in the range of f64. [`Tracing::Packets`] stands for [`Tracing::Single`] there.
 pub struct Bvh<M, P: Precision = f32> {
     traced: Box<dyn TracedIn<P>>,
     method: PhantomData<fn() -> M>,

@@ -61,6 +61,9 @@ pub struct Span {
 }
 
 impl Span {
+    /// Of a ray that is not asked about.
+    pub(crate) const NOTHING: Self = Self { start: 0.0, unit: 1.0 };
+
     /// Where the ray ends; not before `t`.
     #[inline(always)]
     pub(crate) fn end(self, t: f64) -> f32 {

@@ -18,7 +18,7 @@ pub(crate) const RAYS: usize = 64;
 const NUMBERS: usize = 8;
 
 /// A ray that finds nothing.
-const NO_RAY: Ray<f32> =
+pub(crate) const NO_RAY: Ray<f32> =
     Ray { o: Vec3::new(0.0, 0.0, 0.0), d: Vec3::new(0.0, 0.0, 0.0), tmin: 1.0, tmax: 0.0 };
 
 /// One number of each ray.

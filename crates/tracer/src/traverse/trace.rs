@@ -39,6 +39,27 @@ impl<'a, A: PacketTarget<'a, Q>, Q: Query> Job for Trace<'a, A, Q> {
     }
 }
 
+/// Rays to be traced on lanes of choice, each on its own way.
+pub(crate) struct TraceSingly<'a, A: Target<'a, Q>, Q: Query> {
+    pub(crate) target: A,
+    pub(crate) seed: A::Seed,
+    pub(crate) query: Q,
+    pub(crate) rays: &'a [Ray<f32>],
+    pub(crate) found: &'a mut [Q::Output],
+}
+
+impl<'a, A: Target<'a, Q>, Q: Query> Job for TraceSingly<'a, A, Q> {
+    type Output = ();
+
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
+        let Self { target, seed, query, rays, found } = self;
+        token.run(
+            #[inline(always)]
+            || singly::<A, L, Q>(target, seed, token, query, rays, found),
+        );
+    }
+}
+
 /// One ray to be traced on lanes of choice.
 pub(crate) struct TraceOne<'a, A: Target<'a, Q, 1>, Q: Query> {
     pub(crate) target: A,
