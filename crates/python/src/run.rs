@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::available_parallelism;
 use std::time::Duration;
 
@@ -39,6 +39,9 @@ pub(crate) struct Watch<'py> {
 /// Pools by number of threads. Their threads do not live on in a forked child, which gets pools of its own.
 static POOLS: Mutex<Pools> = Mutex::new(Pools { process: 0, of_threads: BTreeMap::new() });
 
+/// How many threads are as many as processors: asked once, as it reads files.
+static PROCESSORS: OnceLock<usize> = OnceLock::new();
+
 struct Pools {
     process: u32,
     of_threads: BTreeMap<usize, Arc<ThreadPool>>,
@@ -49,7 +52,7 @@ pub(crate) fn number(threads: Option<usize>) -> PyResult<usize> {
     match threads {
         Some(0) => Err(PyValueError::new_err("threads must be at least 1, not 0")),
         Some(threads) => Ok(threads),
-        None => Ok(available_parallelism().map_or(1, usize::from)),
+        None => Ok(*PROCESSORS.get_or_init(|| available_parallelism().map_or(1, usize::from))),
     }
 }
 

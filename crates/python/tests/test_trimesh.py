@@ -85,3 +85,18 @@ def test_rays_miss_nothing_far_from_the_origin():
     middles = mesh.triangles_center
     hit = mesh.ray.intersects_first(middles + [0, 0, 500], np.broadcast_to([0.0, 0, -1], middles.shape))
     assert hit.tolist() == list(range(len(faces)))
+
+
+def test_pyvista_goes_through_it():
+    pyvista = pytest.importorskip("pyvista")
+    sphere = pyvista.Sphere()
+    origins = np.array([[0.0, 0.1, 5.0], [0.1, 0.0, 5.0], [3.0, 3.0, 5.0]])
+    directions = np.broadcast_to([0.0, 0.0, -1.0], origins.shape)
+    asked = []
+    before = RayMeshIntersector.intersects_location
+    try:
+        RayMeshIntersector.intersects_location = lambda *args, **how: asked.append(args) or before(*args, **how)
+        points, rays, cells = sphere.multi_ray_trace(origins, directions, first_point=True)
+    finally:
+        RayMeshIntersector.intersects_location = before
+    assert asked and sorted(rays) == [0, 1] and np.allclose(points[:, 2], 0.49, atol=0.02)
