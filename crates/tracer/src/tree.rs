@@ -1,5 +1,6 @@
 //! Trees over meshes: one type for each way of compiling a method into them.
 
+use std::collections::BTreeSet;
 use std::marker::PhantomData;
 use std::slice::{from_mut, from_ref};
 
@@ -13,6 +14,7 @@ use crate::bvh::wide::Statistics;
 use crate::dispatch::{self, Traced, Tracing, assert_room};
 use crate::hit::TriangleHit;
 use crate::hits::{AllHits, Crossings, NotExact, Source, Verdict, all_of, lanes_of};
+use crate::instances::Extent;
 use crate::lanes::PlainLanes;
 use crate::leaf::blocks::Blocks;
 use crate::parallel::fill;
@@ -195,6 +197,14 @@ pub trait Tree: Send + Sync {
 
     /// Facts about the tree.
     fn statistics(&self) -> Statistics;
+
+    /// What a tree over [`Instances`](crate::Instances) has to know of it.
+    fn extent(&self) -> Extent;
+
+    /// Bytes of nodes and blocks, but those of shared trees whose addresses are among the counted.
+    fn bytes(&self, _counted: &mut BTreeSet<usize>) -> usize {
+        self.statistics().bytes
+    }
 }
 
 /// A mesh in a tree whose loops are compiled for a method: the fastest to trace, and the slowest to compile.
@@ -342,6 +352,10 @@ macro_rules! inspections {
 
         fn statistics(&self) -> Statistics {
             dispatch::statistics(&*self.traced)
+        }
+
+        fn extent(&self) -> Extent {
+            Extent::of_tree(self.traced.tree())
         }
     };
 }

@@ -85,6 +85,13 @@ impl Node {
         whole
     }
 
+    /// The boxes of the children that there are.
+    pub(crate) fn boxes(&self) -> impl Iterator<Item = Bounds> + '_ {
+        // An empty place has its box at infinity, or an empty one.
+        let boxes = (0..WIDTH).map(|lane| self.bounds_of(lane));
+        boxes.filter(|bounds| bounds.min[0] <= bounds.max[0] && bounds.min[0] < f32::INFINITY)
+    }
+
     /// The box of a child.
     pub(crate) fn bounds_of(&self, lane: usize) -> Bounds {
         let corner = |row: usize| [0, 1, 2].map(|axis| self.bounds[axis][row][lane]);

@@ -62,7 +62,7 @@ impl WideTree {
     }
 
     /// The expected cost of a ray that meets the root.
-    fn cost(&self) -> f64 {
+    pub(crate) fn cost(&self) -> f64 {
         let whole = f64::from(self.bounds.half_area());
         let mut cost = 1.0;
         for node in &self.nodes {

@@ -112,13 +112,39 @@ impl<L: Lanes<Elem = f32>> Slabs<L> {
         to: Vec3<L>,
         interval: (L, L),
     ) -> (L, L) {
-        let (a, b) = (self.distances::<B>(from), self.distances::<B>(to));
-        // Where the ray lies in a plane, its distance is NaN and the inverse plus infinity: the box
-        // begins at minus infinity or at NaN, and ends at plus infinity or at NaN.
-        let near = Vec3::new(b.x.min(a.x), b.y.min(a.y), b.z.min(a.z));
-        let far = Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
-        within::<L, B>(near, far, interval)
+        cross_apart::<L, B>(&[*self; 2], from, to, interval)
     }
+
+    /// Two of the same ray, with its origin moved by a margin along all axes, up and down: for
+    /// [boxes](cross_apart) that are larger by it. Of robust tests.
+    #[inline(always)]
+    pub(crate) fn apart(&self, margin: f32) -> [Self; 2] {
+        let by = self.start.x.constant(margin);
+        let moved = |by: L| {
+            self.start.map(
+                #[inline(always)]
+                |o| o + by,
+            )
+        };
+        [Self { start: moved(by), ..*self }, Self { start: moved(-by), ..*self }]
+    }
+}
+
+/// Where rays enter boxes and leave them, from the coordinates of the planes in order, whichever are nearer; those where
+/// a box begins and those where it ends as seen from origins of their own.
+#[inline(always)]
+pub(crate) fn cross_apart<L: Lanes<Elem = f32>, B: Boxes>(
+    [begin, end]: &[Slabs<L>; 2],
+    from: Vec3<L>,
+    to: Vec3<L>,
+    interval: (L, L),
+) -> (L, L) {
+    let (a, b) = (begin.distances::<B>(from), end.distances::<B>(to));
+    // Where the ray lies in a plane, its distance is NaN and the inverse plus infinity: the box
+    // begins at minus infinity or at NaN, and ends at plus infinity or at NaN.
+    let near = Vec3::new(b.x.min(a.x), b.y.min(a.y), b.z.min(a.z));
+    let far = Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
+    within::<L, B>(near, far, interval)
 }
 
 /// Whether a ray may meet the points between two corners within its interval, as the contract has it; never

@@ -13,7 +13,7 @@ use crate::bvh::node::{Child, child};
 use crate::bvh::wide::WideTree;
 use crate::lanes::Job;
 use crate::query::Robust;
-use crate::rays::slabs::Slabs;
+use crate::rays::slabs::{Slabs, cross_apart};
 use crate::vectors::WIDTH;
 
 /// Visits the leaves that a ray may meet; how many nodes it visits.
@@ -32,7 +32,27 @@ impl Job for Walk<'_> {
             #[inline(always)]
             || {
                 stack::declare_room!(items, stack::room(self.tree.depth));
-                walk::<L>(token, self, items)
+                walk::<L>(token, self, 0.0, items)
+            },
+        )
+    }
+}
+
+/// The same where every box is larger by a margin on each side.
+pub(crate) struct WideWalk<'a> {
+    pub(crate) walk: Walk<'a>,
+    pub(crate) margin: f32,
+}
+
+impl Job for WideWalk<'_> {
+    type Output = usize;
+
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> usize {
+        token.run(
+            #[inline(always)]
+            || {
+                stack::declare_room!(items, stack::room(self.walk.tree.depth));
+                walk::<L>(token, self.walk, self.margin, items)
             },
         )
     }
@@ -42,10 +62,13 @@ impl Job for Walk<'_> {
 fn walk<L: Lanes<Elem = f32>>(
     token: L::Token,
     Walk { tree, ray, leaf }: Walk<'_>,
+    margin: f32,
     items: &mut [u64],
 ) -> usize {
     let Interval { tmin, mut tmax } = Interval::of(ray);
     let slabs = Slabs::new::<Robust>(&Ray::splat(token, ray));
+    // A side that is farther out by the margin is as far from an origin that is nearer by it.
+    let sides = slabs.apart(margin);
     let mut waiting = Stack::new(items);
     let mut visited = 0;
     waiting.push(stack::key(tmin, 0));
@@ -63,7 +86,7 @@ fn walk<L: Lanes<Elem = f32>>(
             while lane < WIDTH {
                 let from = node.planes::<L>(token, [0; 3], lane);
                 let to = node.planes::<L>(token, [1; 3], lane);
-                let (from, to) = slabs.cross_either_way::<Robust>(from, to, interval);
+                let (from, to) = cross_apart::<L, Robust>(&sides, from, to, interval);
                 met |= L::bits(from.le(to)) << lane;
                 from.store(&mut distances[lane..]);
                 lane += L::N;
