@@ -24,7 +24,9 @@ pub use dispatch::Tracing;
 pub use every::EveryTriangle;
 pub use hit::TriangleHit;
 pub use hits::{AllHits, Crossings, NotExact, Verdict};
-pub use instances::{Extent, HasTree, Instance, InstanceError, Instances, Transform, Update};
+pub use instances::{
+    BadTransform, Extent, HasTree, Instance, InstanceError, Instances, Transform, Update,
+};
 pub use lanes::fast_lanes;
 pub use rays::slabs::meets_box;
 pub use traverse::inspect::Counted;

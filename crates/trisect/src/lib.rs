@@ -3,12 +3,14 @@
 
 mod error;
 mod hit;
+mod instances;
 mod options;
 mod scene;
 pub mod trees;
 
 pub use error::{SceneError, UpdateError};
 pub use hit::{AllHits, Hit};
+pub use instances::Transform;
 pub use options::SceneOptions;
 pub use scene::{Scene, View};
 
@@ -21,7 +23,9 @@ pub type Triangle = trisect_core::Triangle<f32>;
 pub use trisect_core::Vec3;
 pub use trisect_mesh::{MeshError, Note};
 pub use trisect_method::{Culling, Method, Place, UnsuitableMesh};
-pub use trisect_tracer::{Builder, Crossings, NotExact, RefitError, Statistics, Verdict};
+pub use trisect_tracer::{
+    Builder, Crossings, InstanceError, NotExact, RefitError, Statistics, Update, Verdict,
+};
 
 /// What a method of one's own is written with: numbers and lanes.
 pub use trisect_core as core;

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use trisect_mesh::Mesh;
-use trisect_method::Method;
-use trisect_tracer::{Builder, Leaves, Tracing};
+use trisect_method::{Method, UnsuitableMesh};
+use trisect_tracer::{Builder, Leaves, Tracing, Tree};
 
 use crate::error::MOST;
+use crate::instances::SceneTree;
 use crate::trees::{self, BuildTree};
 use crate::{Note, Scene, SceneError, Triangle};
 
@@ -110,8 +111,14 @@ impl SceneOptions {
             Some((faces, vertices)) => (Some(faces), vertices),
             None => (None, 3 * triangles.len()),
         };
-        let tree = (self.build)(&triangles, self.builder, Leaves::default())?;
-        Ok(Scene { tree, triangles, faces, vertices, notes, batches: self.batches })
+        let tree = self.tree(&triangles)?;
+        let (batches, built) = (self.batches, tree.statistics().cost);
+        let tree = SceneTree::Mesh(tree);
+        Ok(Scene { tree, triangles, faces, vertices, notes, batches, options: self, built })
+    }
+
+    pub(crate) fn tree(self, triangles: &[Triangle]) -> Result<Box<dyn Tree>, UnsuitableMesh> {
+        (self.build)(triangles, self.builder, Leaves::default())
     }
 }
 

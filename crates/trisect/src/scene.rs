@@ -6,19 +6,21 @@ use std::path::Path;
 use rayon::prelude::*;
 use trisect_core::Vec3;
 use trisect_method::{Culling, Method};
-use trisect_tracer::{Statistics, Tracing, Tree, TriangleHit};
+use trisect_tracer::{RefitError, Statistics, Tracing, TriangleHit};
 
+use crate::instances::SceneTree;
 use crate::options::corners;
 use crate::{
     AllHits, Crossings, Hit, NotExact, Note, Place, Ray, SceneError, SceneOptions, Triangle,
-    UpdateError, Verdict,
+    Update, UpdateError, Verdict,
 };
 
 /// A mesh that rays are asked of, from any number of threads.
 ///
 /// A ray that is not finite, whose direction is zero, or whose interval is empty hits nothing.
 pub struct Scene {
-    pub(crate) tree: Box<dyn Tree>,
+    pub(crate) tree: SceneTree,
+    /// None where the scene is one of instances.
     pub(crate) triangles: Vec<Triangle>,
     /// The vertices of each triangle; where there are none, it has three of its own.
     pub(crate) faces: Option<Box<[[u32; 3]]>>,
@@ -26,6 +28,9 @@ pub struct Scene {
     pub(crate) vertices: usize,
     pub(crate) notes: Vec<Note>,
     pub(crate) batches: Tracing,
+    /// How it was made, and what a ray was expected to cost then.
+    pub(crate) options: SceneOptions,
+    pub(crate) built: f64,
 }
 
 /// A scene of which some faces are not seen, or whose triangles own their crossings.
@@ -180,15 +185,18 @@ impl Scene {
         self.seen(Culling::None).crossings(crossings)
     }
 
-    /// Moves the vertices. The tree stays as it is and is fitted to them: quicker than making it anew, but slower
-    /// to trace the further they move relative to each other. Make scenes that move with
-    /// [`SceneOptions::moving`]. Where the scene was not made of faces, its vertices are the corners of its triangles, one
-    /// triangle after another.
+    /// Moves the vertices. The tree is fitted to them, which is far quicker than making it anew; where it has become
+    /// worn by that, it is made anew after all, with the builder that it was made with: where a ray is expected to cost
+    /// more than 1.25 times what it cost when the tree was built, by the surface area heuristic. What was done is
+    /// returned. Make scenes that move with [`SceneOptions::moving`]: where triangles were divided between leaves, a
+    /// tree that is fitted is worn at once. Where the scene was not made of faces, its vertices are the corners of its
+    /// triangles, one triangle after another.
     ///
     /// # Errors
-    /// When there are not as many vertices as before, when one that a face names is not finite, or when a triangle that
-    /// had no area as the scene was made has one now. The scene is as before then.
-    pub fn update(&mut self, vertices: &[[f32; 3]]) -> Result<(), UpdateError> {
+    /// When there are not as many vertices as before, when one that a face names is not finite, or when the scene is
+    /// one of instances. The scene is as before then.
+    pub fn update(&mut self, vertices: &[[f32; 3]]) -> Result<Update, UpdateError> {
+        let SceneTree::Mesh(tree) = &mut self.tree else { return Err(UpdateError::Instances) };
         let (made, given) = (self.vertices, vertices.len());
         if made != given {
             return Err(UpdateError::Count { made, given });
@@ -199,12 +207,22 @@ impl Scene {
                 vertices.as_chunks().0.iter().map(|&[a, b, c]| Triangle::new(a, b, c)).collect()
             }
         };
-        self.tree.refit(&moved)?;
+        let update = match tree.refit(&moved) {
+            Ok(()) => Update::of_cost(self.built, tree.statistics().cost),
+            // It is in no leaf.
+            Err(RefitError::Appeared { .. }) => Update::Rebuilt,
+            Err(error) => return Err(error.into()),
+        };
+        if update == Update::Rebuilt {
+            // A mesh that the tree was fitted to suits the method.
+            *tree = self.options.tree(&moved).map_err(SceneError::from)?;
+            self.built = tree.statistics().cost;
+        }
         self.triangles = moved;
-        Ok(())
+        Ok(update)
     }
 
-    /// The triangles, by index.
+    /// The triangles, by index; none where the scene is one of instances.
     pub fn triangles(&self) -> &[Triangle] {
         &self.triangles
     }
@@ -217,10 +235,6 @@ impl Scene {
     /// Facts about the tree: its nodes, its depth, its bytes.
     pub fn statistics(&self) -> Statistics {
         self.tree.statistics()
-    }
-
-    pub(crate) fn corners(&self, triangle: u32) -> [Vec3<f64>; 3] {
-        self.triangles[triangle as usize].corners().map(Vec3::from)
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, DVec3};
 use trisect_core::Vec3;
 
-use super::transform::{Off, Transform, Unusable};
+use super::transform::{BadTransform, Off, Transform};
 use super::{Extent, HasTree, Instance, InstanceError, Instances, LEVELS};
 use crate::bvh::builders::corners::Corners;
 use crate::bvh::builders::{boxes, is_worn};
@@ -47,12 +47,12 @@ impl Placing {
 }
 
 fn transform(instance: usize, to_world: Affine3A) -> Result<Transform, InstanceError> {
-    Transform::new(to_world).map_err(|unusable| {
+    Transform::new(to_world).map_err(|bad| {
         let columns = to_world.to_cols_array_2d();
         let rows = [0, 1, 2].map(|row| columns.map(|column| column[row]));
-        match unusable {
-            Unusable::NotFinite => InstanceError::NotFinite { instance, rows },
-            Unusable::Singular => InstanceError::Singular { instance, rows },
+        match bad {
+            BadTransform::NotFinite => InstanceError::NotFinite { instance, rows },
+            BadTransform::Singular => InstanceError::Singular { instance, rows },
         }
     })
 }
@@ -102,16 +102,16 @@ impl<T: HasTree> Instances<T> {
     /// Moves one instance.
     ///
     /// # Errors
-    /// When its transform is not finite or is singular; nothing has moved then.
-    ///
-    /// # Panics
-    /// When there is no such instance.
+    /// When there is no such instance, or its transform is not finite or is singular; nothing has moved then.
     pub fn set_transform(
         &mut self,
         instance: usize,
         to_world: Affine3A,
     ) -> Result<Update, InstanceError> {
-        self.instances[instance].transform = transform(instance, to_world)?;
+        let instances = self.instances.len();
+        let moved = self.instances.get_mut(instance);
+        let moved = moved.ok_or(InstanceError::NoInstance { instance, instances })?;
+        moved.transform = transform(instance, to_world)?;
         Ok(self.update())
     }
 

@@ -17,7 +17,7 @@ use glam::Affine3A;
 use trisect_core::{Ray, Triangle, Vec3};
 
 pub use self::build::Update;
-pub use self::transform::Transform;
+pub use self::transform::{BadTransform, Transform};
 use crate::bvh::builders::corners::Corners;
 use crate::bvh::wide::WideTree;
 use crate::dispatch::Tracing;
@@ -134,6 +134,14 @@ pub enum InstanceError {
     TooDeep {
         /// The index of the instance.
         instance: usize,
+    },
+    /// There is no such instance.
+    #[error("there is no instance {instance}: there are {instances}, numbered from 0")]
+    NoInstance {
+        /// The index.
+        instance: usize,
+        /// How many there are.
+        instances: usize,
     },
     /// There are more or fewer transforms than instances.
     #[error("there are {instances} instances, and {given} transforms are given: give each its own")]

@@ -14,10 +14,14 @@ const GAMMA: f64 = 4.0 * U / (1.0 - 4.0 * U);
 /// A transform whose rounded inverse loses more than this of a point has no inverse in f32.
 const SINGULAR: f64 = 0.25;
 
-/// Why a transform places nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Unusable {
+/// Why nothing can be placed by a transform.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BadTransform {
+    /// A number of it is infinite or NaN.
+    #[error("the transform is not finite")]
     NotFinite,
+    /// It has no inverse, or none that f32 can tell from rounding.
+    #[error("the transform is singular, as far as f32 can tell")]
     Singular,
 }
 
@@ -30,11 +34,13 @@ pub struct Transform {
 }
 
 impl Transform {
+    /// The transform from the space of what is placed to the world.
+    ///
     /// # Errors
-    /// When the transform is not finite, or has no inverse.
-    pub(crate) fn new(to_world: Affine3A) -> Result<Self, Unusable> {
+    /// When it is not finite, or has no inverse.
+    pub fn new(to_world: Affine3A) -> Result<Self, BadTransform> {
         if !to_world.is_finite() {
-            return Err(Unusable::NotFinite);
+            return Err(BadTransform::NotFinite);
         }
         // Of f64, so that it is rounded once.
         let to_object = to_world.as_daffine3().inverse().as_affine3a();
@@ -44,7 +50,7 @@ impl Transform {
         if to_object.is_finite() && loss <= SINGULAR {
             Ok(transform)
         } else {
-            Err(Unusable::Singular)
+            Err(BadTransform::Singular)
         }
     }
 
