@@ -264,13 +264,20 @@ impl Wave {
     /// Weakens the light that goes through what is clear, at each surface by its transmission: one instance after
     /// another, so that two that touch both count.
     fn shine_through(&mut self, stage: &Stage, tracing: Tracing) {
-        let Self { shadow_rays, shadow_carrying, is_dark, passed, .. } = self;
-        for ((ray, carrying), dark) in shadow_rays.iter().zip(shadow_carrying).zip(&*is_dark) {
+        let Self { shadow_rays, shadow_carrying, is_dark, blocked, passed, .. } = self;
+        for ((ray, carrying), dark) in
+            shadow_rays.iter_mut().zip(&mut *shadow_carrying).zip(&*is_dark)
+        {
             if *dark {
-                continue;
+                ray.tmax = f32::NEG_INFINITY;
+            } else {
+                carrying.weight *= passed_simply(stage, ray);
             }
-            let weight = &mut carrying.weight;
-            *weight *= passed_simply(stage, ray);
+        }
+        // Most meet nothing clear.
+        stage.clear.any(tracing, Culling::None, shadow_rays, blocked);
+        let passing = shadow_rays.iter().zip(shadow_carrying).zip(blocked);
+        for ((ray, Carrying { weight, .. }), _) in passing.filter(|(_, passes)| **passes) {
             stage.clear.all(tracing, Culling::None, Crossings::Every, ray, passed);
             // By instance, and of each by distance as they were.
             let of = |hit: &TriangleHit| stage.clear.locate(hit.triangle);

@@ -85,11 +85,12 @@ impl Node {
         whole
     }
 
-    /// The boxes of the children that there are.
-    pub(crate) fn boxes(&self) -> impl Iterator<Item = Bounds> + '_ {
+    /// The children that there are, with their boxes.
+    pub(crate) fn boxes(&self) -> impl Iterator<Item = (Bounds, u32)> + '_ {
+        let children = self.children.iter().enumerate();
+        let boxes = children.map(|(lane, &reference)| (self.bounds_of(lane), reference));
         // An empty place has its box at infinity, or an empty one.
-        let boxes = (0..WIDTH).map(|lane| self.bounds_of(lane));
-        boxes.filter(|bounds| bounds.min[0] <= bounds.max[0] && bounds.min[0] < f32::INFINITY)
+        boxes.filter(|(Bounds { min, max }, _)| min[0] <= max[0] && min[0] < f32::INFINITY)
     }
 
     /// The box of a child.

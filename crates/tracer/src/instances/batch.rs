@@ -1,8 +1,8 @@
 //! Batches of rays through instances: the rays that may meet an instance go through its tree together.
 //!
-//! Each ray's instances are listed first, near ones first; then, round by round, all rays go to the nearest instance that
-//! each has left. So what is near shortens rays before they are carried farther, and those of one round that go to the
-//! same instance are a batch of it. How a tree's batches are traced is up to the tree.
+//! Each ray's instances are listed first. Then all rays go to the nearest one that each has, and then to the others, as far
+//! as they are not behind what was hit there: so most rays are short when they are carried farther, and those that go
+//! to the same instance are a batch of it.
 
 use trisect_core::Ray;
 use trisect_method::Culling;
@@ -12,31 +12,59 @@ use super::{HasTree, Instance, Instances};
 use crate::dispatch::{Tracing, assert_room};
 use crate::hit::TriangleHit;
 use crate::parallel::{self, Task};
-use crate::rays::slabs::meets_box;
+use crate::rays::slabs::meets_wide_box;
+use crate::vectors::WIDTH;
 
 /// Rays that one thread takes at a time.
 const CHUNK: usize = 4096;
 
-/// The round, the instance and the ray, as one number that sorts so.
-struct Visit(u64);
+/// So few rays are cheaper asked one by one.
+const FEW: usize = 4;
 
-impl Visit {
-    fn new(round: usize, instance: usize, ray: usize) -> Self {
-        // Rounds that have no number of their own are one.
-        Self((round.min(0xffff) as u64) << 48 | (instance as u64) << 16 | ray as u64)
+/// Visits of rays to instances, in the order in which they are made.
+struct Visits {
+    /// The index of the ray in each.
+    rays: Vec<u32>,
+    /// Where those begin that are first visits, or later ones, to each instance.
+    starts: Vec<u32>,
+}
+
+impl Visits {
+    #[allow(
+        clippy::cast_possible_truncation,
+        reason = "rays are few, and instances are numbered in u32"
+    )]
+    fn new<T: HasTree>(of: &Instances<T>, tracing: Tracing, rays: &[Ray<f32>]) -> Self {
+        let count = of.instances.len();
+        let (mut listed, mut last) = (vec![], usize::MAX);
+        // Where they begin, one further on, so that they count up to where they are to be.
+        let mut starts = vec![0_u32; 2 * count + 2];
+        of.walk_all(tracing, rays, &mut |ray, instance| {
+            let place = if ray == last { count + instance } else { instance };
+            last = ray;
+            starts[place + 2] += 1;
+            listed.push((place as u32, ray as u32));
+            rays[ray].tmax
+        });
+        for at in 2..starts.len() {
+            starts[at] += starts[at - 1];
+        }
+        let mut rays = vec![0; listed.len()];
+        for (place, ray) in listed {
+            let next = &mut starts[place as usize + 1];
+            rays[*next as usize] = ray;
+            *next += 1;
+        }
+        Self { rays, starts }
     }
 
-    fn round_and_instance(&self) -> u64 {
-        self.0 >> 16
-    }
-
-    #[allow(clippy::cast_possible_truncation, reason = "of 32 bits")]
-    fn instance(&self) -> usize {
-        (self.0 >> 16) as u32 as usize
-    }
-
-    fn ray(&self) -> usize {
-        self.0 as usize & 0xffff
+    /// The instance of each batch, and its rays.
+    fn batches(&self) -> impl Iterator<Item = (usize, &[u32])> {
+        let count = self.starts.len() / 2 - 1;
+        let ends = self.starts.windows(2).take(2 * count).enumerate();
+        ends.filter(|(_, ends)| ends[0] < ends[1]).map(move |(place, ends)| {
+            (place % count, &self.rays[ends[0] as usize..ends[1] as usize])
+        })
     }
 }
 
@@ -72,7 +100,13 @@ impl Question for Closest {
     }
 
     fn ask<T: HasTree>(self, of: &Instance<T>, rays: &[Ray<f32>], answers: &mut [Self::Answer]) {
-        of.of.tree().closest(self.0, self.1, rays, answers);
+        let (Self(tracing, culling), tree) = (self, of.of.tree());
+        if rays.len() > FEW || tracing == Tracing::Plain {
+            return tree.closest(tracing, culling, rays, answers);
+        }
+        for (ray, answer) in rays.iter().zip(answers) {
+            *answer = tree.closest_hit(culling, ray);
+        }
     }
 
     fn take<T: HasTree>(known: &mut Best, of: &Instance<T>, answer: &Option<TriangleHit>) {
@@ -96,7 +130,13 @@ impl Question for Any {
     }
 
     fn ask<T: HasTree>(self, of: &Instance<T>, rays: &[Ray<f32>], answers: &mut [bool]) {
-        of.of.tree().any(self.0, self.1, rays, answers);
+        let (Self(tracing, culling), tree) = (self, of.of.tree());
+        if rays.len() > FEW || tracing == Tracing::Plain {
+            return tree.any(tracing, culling, rays, answers);
+        }
+        for (ray, answer) in rays.iter().zip(answers) {
+            *answer = tree.any_hit(culling, ray);
+        }
     }
 
     fn take<T: HasTree>(known: &mut bool, _: &Instance<T>, answer: &bool) {
@@ -164,36 +204,35 @@ fn chunk<T: HasTree, Q: Question>(
     rays: &[Ray<f32>],
 ) -> Vec<Q::Known> {
     let mut known = vec![Q::NOTHING; rays.len()];
-    let mut visits = vec![];
-    for (number, ray) in rays.iter().enumerate() {
-        let mut round = 0;
-        of.walk(tracing, ray, &mut |instance| {
-            visits.push(Visit::new(round, instance, number));
-            round += 1;
-            ray.tmax
-        });
-    }
-    visits.sort_unstable_by_key(|visit| visit.0);
+    let margins: Vec<f32> = rays.iter().map(|ray| of.margin(ray)).collect();
     let (mut carried, mut which, mut answers) = (vec![], vec![], vec![]);
-    for visits in visits.chunk_by(|a, b| a.round_and_instance() == b.round_and_instance()) {
-        let instance = &of.instances[visits[0].instance()];
-        let [low, high] = instance.bounds.corners();
+    let mut visit = |instance: usize, rays_there: &mut dyn Iterator<Item = usize>, is_listed| {
+        let instance = &of.instances[instance];
+        let corners = instance.bounds.corners();
         carried.clear();
         which.clear();
-        for number in visits.iter().map(Visit::ray) {
-            let ray = Ray { tmax: Q::end(&known[number], rays[number].tmax), ..rays[number] };
+        for at in rays_there {
+            let ray = Ray { tmax: Q::end(&known[at], rays[at].tmax), ..rays[at] };
             // What is in front may have ended it before the box.
-            if ray.tmax == rays[number].tmax || of.margin(&ray) > 0.0 || meets_box(&ray, low, high)
+            if is_listed && ray.tmax == rays[at].tmax || meets_wide_box(&ray, corners, margins[at])
             {
                 carried.push(instance.transform.carry(&ray));
-                which.push(number);
+                which.push(at);
             }
         }
         answers.clear();
         answers.resize(carried.len(), Q::NO_ANSWER);
         question.ask(instance, &carried, &mut answers);
-        for (&number, answer) in which.iter().zip(&answers) {
-            Q::take(&mut known[number], instance, answer);
+        for (&at, answer) in which.iter().zip(&answers) {
+            Q::take(&mut known[at], instance, answer);
+        }
+    };
+    if of.instances.len() <= WIDTH {
+        // A tree of one node has no more to say than its boxes.
+        (0..of.instances.len()).for_each(|instance| visit(instance, &mut (0..rays.len()), false));
+    } else {
+        for (instance, listed) in Visits::new(of, tracing, rays).batches() {
+            visit(instance, &mut listed.iter().map(|&ray| ray as usize), true);
         }
     }
     known

@@ -11,6 +11,8 @@ mod queries;
 mod room;
 mod transform;
 
+use std::ops::Range;
+use std::slice::from_ref;
 use std::sync::Arc;
 
 use glam::Affine3A;
@@ -23,7 +25,7 @@ use crate::bvh::wide::WideTree;
 use crate::dispatch::Tracing;
 use crate::hits::lanes_of;
 use crate::lanes::on_fast_lanes;
-use crate::traverse::walk::{Walk, WideWalk};
+use crate::traverse::walk::WideWalks;
 use crate::tree::Tree;
 
 /// What can be placed: it has a tree.
@@ -43,7 +45,8 @@ impl HasTree for Box<dyn Tree> {
 pub struct Extent {
     /// How many triangles there are, hit or not: ids are below that.
     pub(crate) triangles: usize,
-    /// Boxes around all triangles that can be hit.
+    /// Boxes around all triangles that can be hit: several, as what is around them once they are turned is smaller then
+    /// than what is around a turned box.
     pub(crate) boxes: Vec<[Vec3<f32>; 2]>,
     /// By how much of the largest coordinate of its origin a ray may pass by the boxes in which it has hits.
     pub(crate) per_origin: f64,
@@ -66,7 +69,7 @@ impl Extent {
     pub(crate) fn of_tree(tree: &WideTree) -> Self {
         Self {
             triangles: tree.origin.triangles,
-            boxes: tree.nodes[0].boxes().map(|bounds| bounds.corners()).collect(),
+            boxes: tree.boxes().map(|bounds| bounds.corners()).collect(),
             per_origin: 0.0,
             least_direction: 0.0,
             levels: 0,
@@ -217,20 +220,27 @@ impl<T: HasTree> Instances<T> {
     /// from then on.
     #[inline]
     fn walk(&self, tracing: Tracing, ray: &Ray<f32>, take: &mut dyn FnMut(usize) -> f32) {
-        let mut end = ray.tmax;
-        let leaf = &mut |instances: std::ops::Range<usize>| {
-            // One, or none in a place without a child.
-            for at in instances {
-                end = take(at);
-            }
-            end
+        self.walk_all(tracing, from_ref(ray), &mut |_, instance| take(instance));
+    }
+
+    /// The same for many rays, one after another; `take` gets the index of the ray as well.
+    #[inline]
+    fn walk_all(
+        &self,
+        tracing: Tracing,
+        rays: &[Ray<f32>],
+        take: &mut dyn FnMut(usize, usize) -> f32,
+    ) {
+        let leaf = &mut |ray: usize, instances: Range<usize>| {
+            // A place without a child is a leaf of nothing.
+            if instances.is_empty() { rays[ray].tmax } else { take(ray, instances.start) }
         };
-        let walk = Walk { tree: &self.top, ray, leaf };
-        let walk = WideWalk { walk, margin: self.margin(ray) };
+        let margin = &|ray: &Ray<f32>| self.margin(ray);
+        let walks = WideWalks { tree: &self.top, rays, margin, leaf };
         match lanes_of(tracing) {
-            Some(plain) => plain.run(walk),
-            None => on_fast_lanes(walk).unwrap_or_default(),
-        };
+            Some(plain) => plain.run(walks),
+            None => on_fast_lanes(walks).unwrap_or_default(),
+        }
     }
 
     /// By how much boxes have to be larger for a ray.

@@ -107,22 +107,22 @@ impl Transform {
 
     /// The box in the world around what carried rays meet in some boxes, before they are off.
     pub(super) fn around(&self, boxes: &[[Coordinates<f32>; 2]]) -> [DVec3; 2] {
-        // Not `to_world`: that is the inverse but for rounding.
-        let back = self.to_object.as_daffine3().inverse();
-        let corners = boxes.iter().flat_map(|[low, high]| {
-            (0..8).map(move |corner| {
-                let pick = |axis: usize, low: f32, high: f32| {
-                    f64::from(if corner >> axis & 1 == 0 { low } else { high })
-                };
-                DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z))
-            })
-        });
         let empty = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        let boxes = boxes.iter().map(|corners| corners.map(|v| Vec3::from(v).as_dvec3()));
         if self.is_identity {
-            return corners.fold(empty, |[low, high], p| [low.min(p), high.max(p)]);
+            return boxes.fold(empty, |[low, high], [a, b]| [low.min(a), high.max(b)]);
         }
-        let image = |p: DVec3| back.matrix3 * (p - self.to_object.translation.as_dvec3());
-        corners.map(image).fold(empty, |[low, high], p| [low.min(p), high.max(p)])
+        // Not `to_world`: that is the inverse but for rounding.
+        let back = self.to_object.matrix3.as_dmat3().inverse();
+        let (sizes, translation) = (back.abs(), self.to_object.translation.as_dvec3());
+        boxes.fold(empty, |[low, high], [a, b]| {
+            let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+            if !middle.is_finite() {
+                return [DVec3::NEG_INFINITY, DVec3::INFINITY];
+            }
+            let (middle, half) = (back * (middle - translation), sizes * half);
+            [low.min(middle - half), high.max(middle + half)]
+        })
     }
 }
 

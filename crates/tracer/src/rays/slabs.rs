@@ -151,9 +151,15 @@ pub(crate) fn cross_apart<L: Lanes<Elem = f32>, B: Boxes>(
 /// wrong where it says no. A ray in a side of the box meets it.
 #[inline]
 pub fn meets_box(ray: &Ray<f32>, low: Vec3<f32>, high: Vec3<f32>) -> bool {
+    meets_wide_box(ray, [low, high], 0.0)
+}
+
+/// The same for a box that is larger by a margin on each side.
+#[inline]
+pub(crate) fn meets_wide_box(ray: &Ray<f32>, [low, high]: [Vec3<f32>; 2], margin: f32) -> bool {
     let Interval { tmin, tmax } = Interval::of(ray);
-    let slabs = Slabs::new::<Robust>(ray);
-    let (enters, leaves) = slabs.cross_either_way::<Robust>(low, high, (tmin, tmax));
+    let sides = Slabs::new::<Robust>(ray).apart(margin);
+    let (enters, leaves) = cross_apart::<f32, Robust>(&sides, low, high, (tmin, tmax));
     enters <= leaves && tmin <= tmax
 }
 

@@ -38,23 +38,31 @@ impl Job for Walk<'_> {
     }
 }
 
-/// The same where every box is larger by a margin on each side.
-pub(crate) struct WideWalk<'a> {
-    pub(crate) walk: Walk<'a>,
-    pub(crate) margin: f32,
+/// Rays, one after another, where every box is larger by a margin on each side.
+pub(crate) struct WideWalks<'a> {
+    pub(crate) tree: &'a WideTree,
+    pub(crate) rays: &'a [Ray<f32>],
+    /// By how much, for a ray.
+    pub(crate) margin: &'a dyn Fn(&Ray<f32>) -> f32,
+    /// Takes the index of the ray, and is as that of [`Walk`].
+    pub(crate) leaf: &'a mut dyn FnMut(usize, Range<usize>) -> f32,
 }
 
-impl Job for WideWalk<'_> {
-    type Output = usize;
+impl Job for WideWalks<'_> {
+    type Output = ();
 
-    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> usize {
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
         token.run(
             #[inline(always)]
             || {
-                stack::declare_room!(items, stack::room(self.walk.tree.depth));
-                walk::<L>(token, self.walk, self.margin, items)
+                let Self { tree, rays, margin, leaf } = self;
+                stack::declare_room!(items, stack::room(tree.depth));
+                for (index, ray) in rays.iter().enumerate() {
+                    let leaf = &mut |blocks: Range<usize>| leaf(index, blocks);
+                    walk::<L>(token, Walk { tree, ray, leaf }, margin(ray), items);
+                }
             },
-        )
+        );
     }
 }
 
