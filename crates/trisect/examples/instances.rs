@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // A row of blocks, and another one behind it: a scene of scenes of instances.
     let far = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -20.0]];
     let mut scene = Scene::instances(&[(Arc::clone(&row), place(0.0, 1.0, 0.0)), (row, far)])?;
-    let rays = [-4.0, 4.0, 8.0].map(|x| Ray::new([x, 0.5, 30.0], [0.0, 0.0, -1.0]));
+    let rays = [-4.0, 4.0, 12.0].map(|x| Ray::new([x, 0.5, 30.0], [0.0, 0.0, -1.0]));
     for angle in [0.0, 0.5] {
         scene.set_transform(0, &place(angle, 1.0, 0.0))?;
         for ray in &rays {

@@ -77,6 +77,12 @@ fn moving_mesh() {
 }
 
 #[test]
+fn instances() {
+    println!("{}", printed("instances"));
+    panic!();
+}
+
+#[test]
 fn own_method() {
     let expected = "Some(Hit { triangle: 0, t: 1.0, alpha: 0.5, beta: 0.25, gamma: 0.25 })\n";
     assert_eq!(printed("own_method"), expected);

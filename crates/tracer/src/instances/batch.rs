@@ -35,7 +35,7 @@ impl Visits {
         reason = "rays are few, and instances are numbered in u32"
     )]
     fn new<T: HasTree>(of: &Instances<T>, tracing: Tracing, rays: &[Ray<f32>]) -> Self {
-        let count = of.instances.len();
+        let count = of.placed.len();
         let (mut listed, mut last) = (vec![], usize::MAX);
         // Where they begin, one further on, so that they count up to where they are to be.
         let mut starts = vec![0_u32; 2 * count + 2];
@@ -152,12 +152,12 @@ pub(super) fn closest<T: HasTree>(
     rays: &[Ray<f32>],
     found: &mut [Option<TriangleHit>],
 ) {
-    if let [Instance { of, transform, .. }] = &of.instances[..]
+    if let [Instance { of, transform, .. }] = &of.placed[..]
         && transform.is_identity()
     {
         return of.tree().closest(tracing, culling, rays, found);
     }
-    in_chunks(of, tracing, Closest(tracing, culling), rays, found, |best| best.found());
+    in_chunks(of, tracing, Closest(tracing, culling), rays, found, Best::found);
 }
 
 /// As [`Tree::any`](crate::Tree::any).
@@ -168,7 +168,7 @@ pub(super) fn any<T: HasTree>(
     rays: &[Ray<f32>],
     found: &mut [bool],
 ) {
-    if let [Instance { of, transform, .. }] = &of.instances[..]
+    if let [Instance { of, transform, .. }] = &of.placed[..]
         && transform.is_identity()
     {
         return of.tree().any(tracing, culling, rays, found);
@@ -207,7 +207,7 @@ fn chunk<T: HasTree, Q: Question>(
     let margins: Vec<f32> = rays.iter().map(|ray| of.margin(ray)).collect();
     let (mut carried, mut which, mut answers) = (vec![], vec![], vec![]);
     let mut visit = |instance: usize, rays_there: &mut dyn Iterator<Item = usize>, is_listed| {
-        let instance = &of.instances[instance];
+        let instance = &of.placed[instance];
         let corners = instance.bounds.corners();
         carried.clear();
         which.clear();
@@ -227,9 +227,9 @@ fn chunk<T: HasTree, Q: Question>(
             Q::take(&mut known[at], instance, answer);
         }
     };
-    if of.instances.len() <= WIDTH {
+    if of.placed.len() <= WIDTH {
         // A tree of one node has no more to say than its boxes.
-        (0..of.instances.len()).for_each(|instance| visit(instance, &mut (0..rays.len()), false));
+        (0..of.placed.len()).for_each(|instance| visit(instance, &mut (0..rays.len()), false));
     } else {
         for (instance, listed) in Visits::new(of, tracing, rays).batches() {
             visit(instance, &mut listed.iter().map(|&ray| ray as usize), true);

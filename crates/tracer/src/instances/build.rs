@@ -84,7 +84,7 @@ pub(super) fn build<T: HasTree>(
             .ok_or(InstanceError::TooMany { instance: index })?;
     }
     let mut built = Instances {
-        instances,
+        placed: instances,
         top: boxes::build(&[]),
         built: 0.0,
         reach: 0.0,
@@ -108,8 +108,8 @@ impl<T: HasTree> Instances<T> {
         instance: usize,
         to_world: Affine3A,
     ) -> Result<Update, InstanceError> {
-        let instances = self.instances.len();
-        let moved = self.instances.get_mut(instance);
+        let instances = self.placed.len();
+        let moved = self.placed.get_mut(instance);
         let moved = moved.ok_or(InstanceError::NoInstance { instance, instances })?;
         moved.transform = transform(instance, to_world)?;
         Ok(self.update())
@@ -127,11 +127,11 @@ impl<T: HasTree> Instances<T> {
         let to_world = to_world.into_iter().enumerate();
         let moved: Vec<Transform> =
             to_world.map(|(at, to_world)| transform(at, to_world)).collect::<Result<_, _>>()?;
-        let (instances, given) = (self.instances.len(), moved.len());
+        let (instances, given) = (self.placed.len(), moved.len());
         if instances != given {
             return Err(InstanceError::Count { instances, given });
         }
-        for (instance, transform) in self.instances.iter_mut().zip(moved) {
+        for (instance, transform) in self.placed.iter_mut().zip(moved) {
             instance.transform = transform;
         }
         Ok(self.update())
@@ -158,8 +158,8 @@ impl<T: HasTree> Instances<T> {
     fn fit_boxes(&mut self) -> Vec<Corners> {
         let mut last: Option<(Arc<T>, Extent)> = None;
         let (mut reach, mut per_length, mut least) = (0.0_f64, 0.0_f64, LEAST_DIRECTION);
-        let mut placings = Vec::with_capacity(self.instances.len());
-        for Instance { of, transform, .. } in &self.instances {
+        let mut placings = Vec::with_capacity(self.placed.len());
+        for Instance { of, transform, .. } in &self.placed {
             if last.as_ref().is_none_or(|(other, _)| !Arc::ptr_eq(other, of)) {
                 last = Some((Arc::clone(of), of.tree().extent()));
             }
@@ -179,12 +179,12 @@ impl<T: HasTree> Instances<T> {
         self.per_length = (per_length * (1.0 + 1e-6)) as f32;
         self.least_direction = (least * (1.0 + 1e-6)) as f32;
         let reach = f64::from(self.reach);
-        for (instance, placing) in self.instances.iter_mut().zip(&placings) {
+        for (instance, placing) in self.placed.iter_mut().zip(&placings) {
             instance.bounds = match placing.around {
                 Some(around) => placing.off.widened(around, reach),
                 None => Corners::EMPTY,
             };
         }
-        self.instances.iter().map(|instance| instance.bounds).collect()
+        self.placed.iter().map(|instance| instance.bounds).collect()
     }
 }

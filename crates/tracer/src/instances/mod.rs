@@ -162,7 +162,7 @@ const LEVELS: usize = 16;
 /// A tree over instances. Its answers are those of asking every instance with its carried ray, and taking the nearest
 /// hit; of equally near ones, by their rounded `t`, that of the first instance.
 pub struct Instances<T> {
-    instances: Vec<Instance<T>>,
+    placed: Vec<Instance<T>>,
     top: WideTree,
     /// The cost of the top tree when it was built.
     built: f64,
@@ -191,7 +191,7 @@ impl<T: HasTree> Instances<T> {
 
     /// The instances, in order.
     pub fn instances(&self) -> &[Instance<T>] {
-        &self.instances
+        &self.placed
     }
 
     /// The instance that a triangle belongs to, by index, and the triangle's id there.
@@ -201,16 +201,16 @@ impl<T: HasTree> Instances<T> {
     #[inline]
     pub fn locate(&self, triangle: u32) -> (usize, u32) {
         // Those without triangles begin where the next one does, and own nothing.
-        let after = self.instances.partition_point(|instance| instance.first <= triangle);
+        let after = self.placed.partition_point(|instance| instance.first <= triangle);
         let instance = after - 1;
-        (instance, triangle - self.instances[instance].first)
+        (instance, triangle - self.placed[instance].first)
     }
 
     /// The instances that a ray may hit, near ones first, and the ray as it is carried to each.
     pub fn sights(&self, ray: &Ray<f32>) -> impl Iterator<Item = (usize, Ray<f32>)> + use<T> {
         let mut met = vec![];
         self.walk(Tracing::Plain, ray, &mut |at| {
-            met.push((at, self.instances[at].transform.carry(ray)));
+            met.push((at, self.placed[at].transform.carry(ray)));
             ray.tmax
         });
         met.into_iter()

@@ -77,7 +77,7 @@ impl<T: HasTree> Tree for Instances<T> {
     fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> Option<TriangleHit> {
         let mut best = Best::NONE;
         self.walk(Tracing::Single, ray, &mut |at| {
-            let instance = &self.instances[at];
+            let instance = &self.placed[at];
             let mut carried = instance.transform.carry(ray);
             carried.tmax = best.end(ray.tmax);
             if let Some(hit) = instance.tree().closest_hit(culling, &carried) {
@@ -91,7 +91,7 @@ impl<T: HasTree> Tree for Instances<T> {
     fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool {
         let mut is_hit = false;
         self.walk(Tracing::Single, ray, &mut |at| {
-            let instance = &self.instances[at];
+            let instance = &self.placed[at];
             is_hit = is_hit || instance.tree().any_hit(culling, &instance.transform.carry(ray));
             if is_hit { f32::NEG_INFINITY } else { ray.tmax }
         });
@@ -109,7 +109,7 @@ impl<T: HasTree> Tree for Instances<T> {
         hits.clear();
         Room::with(|Room { found, gathered, keys }| {
             self.walk(tracing, ray, &mut |at| {
-                let instance = &self.instances[at];
+                let instance = &self.placed[at];
                 let carried = instance.transform.carry(ray);
                 instance.tree().all(tracing, culling, crossings, &carried, found);
                 for &hit in &*found {
@@ -137,7 +137,7 @@ impl<T: HasTree> Tree for Instances<T> {
     ) -> u32 {
         let mut count = 0;
         self.walk(tracing, ray, &mut |at| {
-            let Instance { of, transform, .. } = &self.instances[at];
+            let Instance { of, transform, .. } = &self.placed[at];
             count += of.tree().count(tracing, culling, crossings, &transform.carry(ray));
             ray.tmax
         });
@@ -157,7 +157,7 @@ impl<T: HasTree> Tree for Instances<T> {
             if is_ended {
                 return f32::NEG_INFINITY;
             }
-            let instance = &self.instances[at];
+            let instance = &self.placed[at];
             let mut carried = instance.transform.carry(ray);
             carried.tmax = best.end(ray.tmax);
             let mut offer = |hit: &TriangleHit| {
@@ -186,7 +186,7 @@ impl<T: HasTree> Tree for Instances<T> {
         let ray = upwards(point).with_interval(0.0, 0.0);
         let (mut is_on, mut is_inside) = (false, false);
         self.walk(Tracing::Single, &ray, &mut |at| {
-            let Instance { of, transform, .. } = &self.instances[at];
+            let Instance { of, transform, .. } = &self.placed[at];
             match of.tree().contains(transform.carry_point(point)) {
                 Ok(Place::On) => is_on = true,
                 Ok(Place::Inside) => is_inside = !is_inside,
@@ -204,7 +204,7 @@ impl<T: HasTree> Tree for Instances<T> {
     fn inspect(&self, ray: &Ray<f32>) -> Counted {
         let (mut best, mut counted) = (Best::NONE, Counted::default());
         self.walk(Tracing::Plain, ray, &mut |at| {
-            let instance = &self.instances[at];
+            let instance = &self.placed[at];
             let mut carried = instance.transform.carry(ray);
             carried.tmax = best.end(ray.tmax);
             let below = instance.tree().inspect(&carried);
@@ -221,7 +221,7 @@ impl<T: HasTree> Tree for Instances<T> {
     fn candidates(&self, ray: &Ray<f32>, visit: &mut dyn FnMut(u32) -> f32) {
         let mut end = ray.tmax;
         self.walk(Tracing::Plain, ray, &mut |at| {
-            let Instance { of, transform, first, .. } = &self.instances[at];
+            let Instance { of, transform, first, .. } = &self.placed[at];
             let carried = Ray { tmax: end, ..transform.carry(ray) };
             of.tree().candidates(&carried, &mut |triangle| {
                 end = visit(first + triangle);
@@ -247,7 +247,7 @@ impl<T: HasTree> Tree for Instances<T> {
     fn extent(&self) -> Extent {
         Extent {
             triangles: self
-                .instances
+                .placed
                 .last()
                 .map_or(0, |last| last.first as usize + last.tree().extent().triangles),
             per_origin: f64::from(self.per_length),
@@ -258,8 +258,8 @@ impl<T: HasTree> Tree for Instances<T> {
     }
 
     fn bytes(&self, counted: &mut BTreeSet<usize>) -> usize {
-        let own = self.top.statistics(0, size_of_val(&self.instances[..])).bytes;
-        let shared = self.instances.iter().map(|Instance { of, .. }| {
+        let own = self.top.statistics(0, size_of_val(&self.placed[..])).bytes;
+        let shared = self.placed.iter().map(|Instance { of, .. }| {
             let is_new = counted.insert(Arc::as_ptr(of).addr());
             if is_new { of.tree().bytes(counted) } else { 0 }
         });

@@ -46,7 +46,12 @@ pub fn is_worn(built: f64, now: f64) -> bool {
     now > WORN * built
 }
 
-/// How much more than a new one a tree may cost.
+/// How much more a tree may cost than when it was built.
+///
+/// Measured on the bunny, by twisting it and by moving every triangle on its own: the time of a ray over that in a new tree
+/// follows the cost over that of a new tree, within a quarter up to a factor of 17. Building takes about four times
+/// as long as fitting, and as long as tracing 1.5 rays for each triangle. So at this much more, building has paid after six
+/// rays a triangle: sooner than a picture is done. Just below it, at most that is lost.
 const WORN: f64 = 1.25;
 
 /// Fits a tree to triangles of those kinds that have moved since it was built, and says what is in each block now.
