@@ -225,12 +225,12 @@ fn agree(of: &Both, rays: &[Ray<f32>], what: &str) -> usize {
 #[test]
 fn random_scenes_answer_as_every_triangle_of_every_instance() {
     let (mut hits, mut far) = (0, 0);
-    for seed in 0..40 {
-        let stream = &mut Stream::new("instances", seed);
+    for seed in 0..40_u8 {
+        let stream = &mut Stream::new("instances", seed.into());
         let meshes = [1, 3, 20, 60].map(|count| Both::mesh(&soup(stream, count)));
         // From a thousandth to a million.
         let size = 10_f32.powf(1.5 + 4.5 * numbers(stream).x);
-        let count = [1, 2, 9, 30][seed as usize % 4];
+        let count = [1, 2, 9, 30][usize::from(seed) % 4];
         let mut placed: Vec<(Both, Affine3A)> =
             (0..count).map(|at| (meshes[at % 4].clone(), transform(stream, size))).collect();
         if seed % 3 == 0 {
@@ -346,13 +346,17 @@ fn a_scene_that_moves_answers_as_a_new_one() {
     for round in 0..20 {
         let update = if round % 2 == 0 {
             let by = Vec3::splat(0.01);
-            placed.iter_mut().for_each(|(_, at)| *at = Affine3A::from_translation(by) * *at);
+            for (_, at) in &mut placed {
+                *at = Affine3A::from_translation(by) * *at;
+            }
             moving.set_transforms(placed.iter().map(|(_, at)| *at))
         } else if round < 17 {
             placed[round].1 = small(stream);
             moving.set_transform(round, placed[round].1)
         } else {
-            placed.iter_mut().for_each(|(_, at)| *at = small(stream));
+            for (_, at) in &mut placed {
+                *at = small(stream);
+            }
             moving.set_transforms(placed.iter().map(|(_, at)| *at))
         };
         let update = update.expect("they are sound");

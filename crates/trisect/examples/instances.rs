@@ -25,11 +25,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 Some(hit) => {
                     let path: Vec<usize> = hit.path(&scene).collect();
                     let (_, triangle) = hit.in_mesh(&scene);
-                    let [x, y, z] = hit.normal(&scene);
-                    println!(
-                        "{path:?} triangle {triangle} at {:.3}, normal ({x:.2}, {y:.2}, {z:.2})",
-                        hit.t
-                    );
+                    let normal = hit.normal(&scene).map(|x| (10.0 * x).round() / 10.0 + 0.0);
+                    let t = hit.t;
+                    println!("{path:?}, triangle {triangle} at {t:.2}, normal {normal:?}");
                 }
                 None => println!("nothing"),
             }
