@@ -203,37 +203,70 @@ fn chunk<T: HasTree, Q: Question>(
     question: Q,
     rays: &[Ray<f32>],
 ) -> Vec<Q::Known> {
-    let mut known = vec![Q::NOTHING; rays.len()];
-    let margins: Vec<f32> = rays.iter().map(|ray| of.margin(ray)).collect();
-    let (mut carried, mut which, mut answers) = (vec![], vec![], vec![]);
-    let mut visit = |instance: usize, rays_there: &mut dyn Iterator<Item = usize>, is_listed| {
-        let instance = &of.placed[instance];
-        let corners = instance.bounds.corners();
-        carried.clear();
-        which.clear();
-        for at in rays_there {
-            let ray = Ray { tmax: Q::end(&known[at], rays[at].tmax), ..rays[at] };
-            // What is in front may have ended it before the box.
-            if is_listed && ray.tmax == rays[at].tmax || meets_wide_box(&ray, corners, margins[at])
-            {
-                carried.push(instance.transform.carry(&ray));
-                which.push(at);
-            }
-        }
-        answers.clear();
-        answers.resize(carried.len(), Q::NO_ANSWER);
-        question.ask(instance, &carried, &mut answers);
-        for (&at, answer) in which.iter().zip(&answers) {
-            Q::take(&mut known[at], instance, answer);
-        }
+    let mut batch = Batch {
+        question,
+        rays,
+        margins: rays.iter().map(|ray| of.margin(ray)).collect(),
+        known: vec![Q::NOTHING; rays.len()],
+        carried: vec![],
+        which: vec![],
+        answers: vec![],
     };
     if of.placed.len() <= WIDTH {
         // A tree of one node has no more to say than its boxes.
-        (0..of.placed.len()).for_each(|instance| visit(instance, &mut (0..rays.len()), false));
+        for instance in &of.placed {
+            batch.visit(instance, 0..rays.len(), false);
+        }
     } else {
         for (instance, listed) in Visits::new(of, tracing, rays).batches() {
-            visit(instance, &mut listed.iter().map(|&ray| ray as usize), true);
+            let listed = listed.iter().map(|&ray| ray as usize);
+            batch.visit(&of.placed[instance], listed, true);
         }
     }
-    known
+    batch.known
+}
+
+/// Rays on their way from instance to instance.
+struct Batch<'a, Q: Question> {
+    question: Q,
+    rays: &'a [Ray<f32>],
+    /// By how much boxes are larger for each.
+    margins: Vec<f32>,
+    known: Vec<Q::Known>,
+    /// Those that are carried to an instance, and which they are.
+    carried: Vec<Ray<f32>>,
+    which: Vec<u32>,
+    answers: Vec<Q::Answer>,
+}
+
+impl<Q: Question> Batch<'_, Q> {
+    /// Takes those of some rays to an instance that may meet it. Where they are listed, they are known to, unless they
+    /// have become shorter.
+    #[allow(clippy::cast_possible_truncation, reason = "rays are few")]
+    fn visit<T: HasTree>(
+        &mut self,
+        instance: &Instance<T>,
+        some: impl Iterator<Item = usize>,
+        are_listed: bool,
+    ) {
+        let corners = instance.bounds.corners();
+        self.carried.clear();
+        self.which.clear();
+        for at in some {
+            let ray = &self.rays[at];
+            let ray = Ray { tmax: Q::end(&self.known[at], ray.tmax), ..*ray };
+            if are_listed && ray.tmax == self.rays[at].tmax
+                || meets_wide_box(&ray, corners, self.margins[at])
+            {
+                self.carried.push(instance.transform.carry(&ray));
+                self.which.push(at as u32);
+            }
+        }
+        self.answers.clear();
+        self.answers.resize(self.carried.len(), Q::NO_ANSWER);
+        self.question.ask(instance, &self.carried, &mut self.answers);
+        for (&at, answer) in self.which.iter().zip(&self.answers) {
+            Q::take(&mut self.known[at as usize], instance, answer);
+        }
+    }
 }
