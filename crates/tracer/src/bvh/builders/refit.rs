@@ -39,8 +39,8 @@ pub enum RefitError {
     Unsuitable(#[from] UnsuitableMesh),
 }
 
-/// Whether a tree that was refitted had better be built anew, given its [cost](super::super::wide::Statistics::cost)
-/// when it was built and now: where it is more than [`WORN`] times as much.
+/// Whether a tree that was refitted had better be built anew, given its [cost](crate::Statistics::cost)
+/// when it was built and now: where it is more than 1.25 times as much.
 pub fn is_worn(built: f64, now: f64) -> bool {
     // Neither is NaN, but where there is nothing in the tree.
     now > WORN * built
