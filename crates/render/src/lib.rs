@@ -21,5 +21,5 @@ pub use render::{Interrupted, Renderer, Watch};
 pub use sampling::Sampling;
 pub use settings::{Mode, Occlusion, Settings};
 pub use sight::Sight;
-pub use stage::Stage;
+pub use stage::{Stage, StageError};
 pub use wave::Counts;

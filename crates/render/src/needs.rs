@@ -134,11 +134,12 @@ impl Facts {
                 .filter(|(material, used)| **used && is(material))
                 .count()
         };
+        let instances = stage.all.instances();
         Self {
             spheres: scene.spheres.len(),
             planes: scene.planes.len(),
-            carried: stage.placed.iter().filter(|placed| placed.carried.is_some()).count(),
-            trees: stage.placed.len(),
+            carried: instances.iter().filter(|of| !of.transform().is_identity()).count(),
+            trees: instances.len(),
             interpolated: stage.groups.iter().map(|group| group.normals.len()).sum(),
             textured: count(|material| material.texture.is_some()),
             lights: scene.lights.len(),

@@ -42,7 +42,7 @@ use glam::{Affine3A, DVec3, Vec3};
 use trisect_core::Triangle;
 
 /// The unit roundoff.
-pub(crate) const ROUNDOFF: f32 = f32::EPSILON / 2.0;
+const ROUNDOFF: f32 = f32::EPSILON / 2.0;
 
 /// Units of what has the coordinates of the point.
 const OF_POINT: f32 = 16.0;

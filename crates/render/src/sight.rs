@@ -7,7 +7,7 @@ use trisect_tracer::Tree;
 use crate::render::Eye;
 use crate::settings::Settings;
 use crate::stage::Stage;
-use crate::wave::{carried, nearest_simple, ray};
+use crate::wave::{nearest_simple, ray};
 
 /// A ray as a tree sees it.
 #[derive(Clone, Copy)]
@@ -37,12 +37,9 @@ impl Stage {
 
     /// The trees that a ray may meet, one for each mesh in its place.
     pub fn sights(&self, ray: Ray<f32>) -> impl Iterator<Item = Sight<'_>> {
-        self.placed.iter().filter_map(move |placed| {
-            let ray = match &placed.carried {
-                None => ray,
-                Some(place) => carried(place, &ray)?,
-            };
-            Some(Sight { number: placed.group, tree: &*self.groups[placed.group].tree, ray })
+        self.all.sights(&ray).map(|(instance, ray)| {
+            let group = self.all.instances()[instance].of();
+            Sight { number: group.number, tree: &*group.tree, ray }
         })
     }
 }

@@ -7,14 +7,15 @@
 //! are about 1 whatever the scene's unit is and however far away it lies.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use glam::{Affine3A, DVec3, Mat3A, Vec2, Vec3};
+use glam::{Affine3A, DVec3, Vec2, Vec3};
 use trisect_core::Triangle;
 use trisect_method::UnsuitableMesh;
 use trisect_scene::{Camera, Frame, Instance, Light, Material, Plane, Scene, Sphere};
-use trisect_tracer::{Statistics, Tree};
+use trisect_tracer::{HasTree, InstanceError, Instances, Statistics, Transform, Tree};
 
-use crate::offset::{self, ROUNDOFF};
+use crate::offset;
 
 /// A triangle's plane.
 #[derive(Clone, Copy)]
@@ -95,6 +96,8 @@ where
 
 /// Triangles in a tree.
 pub(crate) struct Group {
+    /// In the order in which they were built.
+    pub(crate) number: usize,
     pub(crate) tree: Box<dyn Tree>,
     /// Of each triangle; apart from its plane, which not every picture asks for.
     pub(crate) materials: Vec<u32>,
@@ -105,30 +108,21 @@ pub(crate) struct Group {
     pub(crate) coordinates: Vec<Varying<Vec2>>,
 }
 
-/// A group in its place.
-pub(crate) struct Placed {
-    pub(crate) group: usize,
-    /// None where the group is in the world's space.
-    pub(crate) carried: Option<Carried>,
-    pub(crate) casts_shadow: bool,
-}
-
-/// How rays come to a group, and normals back.
-pub(crate) struct Carried {
-    pub(crate) to_object: Affine3A,
-    pub(crate) to_world: Affine3A,
-    pub(crate) normals: Mat3A,
-    /// The box around it, in the world.
-    pub(crate) bounds: [Vec3; 2],
-}
-
-impl Carried {
-    fn new(to_world: Affine3A, group: &Gathered) -> Self {
-        // Of f64, so that it is rounded once.
-        let to_object = to_world.as_daffine3().inverse().as_affine3a();
-        let normals = to_object.matrix3.transpose();
-        Self { to_object, to_world, normals, bounds: group.bounds(&to_world) }
+impl HasTree for Group {
+    fn tree(&self) -> &dyn Tree {
+        &*self.tree
     }
+}
+
+/// A scene cannot be made ready.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum StageError {
+    /// The method cannot take its triangles.
+    #[error(transparent)]
+    Unsuitable(#[from] UnsuitableMesh),
+    /// Its instances are too many.
+    #[error(transparent)]
+    Instances(#[from] InstanceError),
 }
 
 /// A scene made ready for a method.
@@ -140,8 +134,12 @@ pub struct Stage {
     pub(crate) spheres: Vec<Sphere>,
     pub(crate) planes: Vec<Plane>,
     lights: Vec<Light>,
-    pub(crate) groups: Vec<Group>,
-    pub(crate) placed: Vec<Placed>,
+    pub(crate) groups: Vec<Arc<Group>>,
+    /// All groups in their places.
+    pub(crate) all: Instances<Group>,
+    /// Those that cast shadows, and those that are clear.
+    pub(crate) solid: Instances<Group>,
+    pub(crate) clear: Instances<Group>,
     /// Whether each material answers lights.
     pub(crate) lit: Vec<bool>,
     /// Of each plane's texture, in the world's units.
@@ -175,11 +173,11 @@ impl Stage {
     /// [`unit`](Stage::unit), or in those of their mesh.
     ///
     /// # Errors
-    /// When the method cannot take the triangles.
+    /// When the method cannot take the triangles, or there are too many instances.
     ///
     /// # Panics
     /// When a number in the scene is out of range, which those of loaded scenes are not.
-    pub fn new<B>(scene: Scene, build: B) -> Result<Self, UnsuitableMesh>
+    pub fn new<B>(scene: Scene, build: B) -> Result<Self, StageError>
     where
         B: Fn(&[Triangle<f32>]) -> Result<Box<dyn Tree>, UnsuitableMesh>,
     {
@@ -189,35 +187,41 @@ impl Stage {
             looks.entry(Look { mesh, material, smooth }).or_default().push(instance);
         }
         let frame = Frame::of(&scene);
-        let (mut groups, mut placed) = (Vec::new(), Vec::new());
+        let mut groups: Vec<Arc<Group>> = Vec::new();
+        let mut placed = [Vec::new(), Vec::new()];
         // Apart: what casts shadows, and what is clear.
-        for casts_shadow in [true, false] {
+        for (casts_shadow, placed) in [true, false].into_iter().zip(&mut placed) {
             let is_wanted = |material: &Material| material.is_clear() != casts_shadow;
             let mut world = Gathered::default();
             for (look, instances) in &looks {
                 let of_mesh = Frame::of_triangles(&scene.meshes[look.mesh].triangles);
-                if let [instance] = instances[..] {
-                    let to_stage = frame.transform(&instance.to_world, of_mesh);
-                    world.gather(&scene, *look, of_mesh, &to_stage, is_wanted);
+                let places = instances.iter().map(|of| frame.transform(&of.to_world, of_mesh));
+                // What cannot be carried back is seen flat, where it is.
+                let (shared, once): (Vec<_>, Vec<_>) =
+                    places.partition(|place| instances.len() > 1 && Transform::new(*place).is_ok());
+                for place in once {
+                    world.gather(&scene, *look, of_mesh, &place, is_wanted);
+                }
+                if shared.is_empty() {
                     continue;
                 }
                 let mut own = Gathered::default();
                 own.gather(&scene, *look, of_mesh, &Affine3A::IDENTITY, is_wanted);
-                if own.triangles.is_empty() {
-                    continue;
+                if !own.triangles.is_empty() {
+                    let group = own.finish(groups.len(), &build)?;
+                    placed.extend(shared.into_iter().map(|place| (Arc::clone(&group), place)));
+                    groups.push(group);
                 }
-                for instance in instances {
-                    let to_stage = frame.transform(&instance.to_world, of_mesh);
-                    let carried = Some(Carried::new(to_stage, &own));
-                    placed.push(Placed { group: groups.len(), carried, casts_shadow });
-                }
-                groups.push(own.finish(&build)?);
             }
             if !world.triangles.is_empty() {
-                placed.push(Placed { group: groups.len(), carried: None, casts_shadow });
-                groups.push(world.finish(&build)?);
+                let group = world.finish(groups.len(), &build)?;
+                placed.push((Arc::clone(&group), Affine3A::IDENTITY));
+                groups.push(group);
             }
         }
+        let all = Instances::new(placed.concat())?;
+        let [solid, clear] = placed;
+        let (solid, clear) = (Instances::new(solid)?, Instances::new(clear)?);
         let lit = |m: &Material| m.diffuse != Vec3::ZERO || m.specular != Vec3::ZERO;
         let lit = scene.materials.iter().map(lit).collect();
         let casts = |material: usize| !scene.materials[material].is_clear();
@@ -230,7 +234,20 @@ impl Stage {
         let spheres = scene.spheres.iter().map(|sphere| frame.sphere(sphere)).collect();
         let planes = scene.planes.iter().map(|plane| frame.plane(plane)).collect();
         let lights = scene.lights.iter().map(|light| frame.light(light)).collect();
-        Ok(Self { scene, frame, spheres, planes, lights, groups, placed, lit, plane_axes, casting })
+        Ok(Self {
+            scene,
+            frame,
+            spheres,
+            planes,
+            lights,
+            groups,
+            all,
+            solid,
+            clear,
+            lit,
+            plane_axes,
+            casting,
+        })
     }
 
     /// The world's length of 1 in the stage: of a `t` along the stage's [`primary`](Stage::primary) rays.
@@ -313,23 +330,14 @@ impl Gathered {
         }
     }
 
-    /// The box around the triangles once they are in the world, wherever rounding puts them there and back.
-    fn bounds(&self, to_world: &Affine3A) -> [Vec3; 2] {
-        let corners = self.triangles.iter().flat_map(|triangle| triangle.corners());
-        let empty = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        corners.map(Vec3::from).fold(empty, |[low, high], corner| {
-            let p = to_world.transform_point3(corner);
-            let slack = offset::reach(to_world, corner) * (16.0 * ROUNDOFF);
-            [low.min(p - slack), high.max(p + slack)]
-        })
-    }
-
     fn finish(
         self,
+        number: usize,
         build: &impl Fn(&[Triangle<f32>]) -> Result<Box<dyn Tree>, UnsuitableMesh>,
-    ) -> Result<Group, UnsuitableMesh> {
+    ) -> Result<Arc<Group>, UnsuitableMesh> {
         let tree = build(&self.triangles)?;
         let mut group = Group {
+            number,
             tree,
             materials: self.materials,
             facets: self.triangles.iter().map(Facet::of).collect(),
@@ -346,6 +354,6 @@ impl Gathered {
         if self.textured {
             group.coordinates = self.coordinates.into_iter().map(Varying::of).collect();
         }
-        Ok(group)
+        Ok(Arc::new(group))
     }
 }

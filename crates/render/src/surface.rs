@@ -14,22 +14,30 @@ use crate::stage::Stage;
 /// What a ray meets first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Target {
-    /// One of the [`Stage`]'s placed groups, or one of the next.
-    pub(crate) what: u32,
-    /// Of the triangle, sphere or plane.
-    pub(crate) number: u32,
+    /// One of the next.
+    what: u32,
+    /// Of the triangle, among those of all instances, or of the sphere or plane.
+    number: u32,
 }
 
 impl Target {
     const NOTHING: u32 = u32::MAX;
-    pub(crate) const SPHERE: u32 = u32::MAX - 1;
-    pub(crate) const PLANE: u32 = u32::MAX - 2;
+    const SPHERE: u32 = u32::MAX - 1;
+    const PLANE: u32 = u32::MAX - 2;
+    const TRIANGLE: u32 = 0;
     pub(crate) const NONE: Self = Self { what: Self::NOTHING, number: 0 };
 
-    /// A triangle of the group that was placed first.
+    pub(crate) fn sphere(number: u32) -> Self {
+        Self { what: Self::SPHERE, number }
+    }
+
+    pub(crate) fn plane(number: u32) -> Self {
+        Self { what: Self::PLANE, number }
+    }
+
     #[inline]
-    pub(crate) fn in_first(found: &TriangleHit) -> Self {
-        Self { what: 0, number: found.triangle }
+    pub(crate) fn triangle(found: &TriangleHit) -> Self {
+        Self { what: Self::TRIANGLE, number: found.triangle }
     }
 
     #[inline]
@@ -62,7 +70,7 @@ impl Stage {
     pub(crate) fn surface<N: Needs>(&self, ray: &Ray<f32>, target: Target) -> Surface<'_> {
         let direction = Vec3::from(ray.d);
         let mut position = Vec3::from(ray.o) + direction * ray.tmax;
-        let number = target.number as usize;
+        let mut number = target.number as usize;
         let (material, front, mut normal, offset);
         let mut inside = None;
         match target.what {
@@ -83,14 +91,19 @@ impl Stage {
                 normal = front;
                 offset = offset::of_point(front, position.abs() + plane.point.abs());
             }
-            what => {
-                let placed = &self.placed[what as usize];
-                let group = &self.groups[placed.group];
+            _ => {
+                // Without shapes there is one tree, in the world.
+                let (at, own) =
+                    if N::SHAPES { self.all.locate(target.number) } else { (0, target.number) };
+                let instance = &self.all.instances()[at];
+                let group = &**instance.of();
+                number = own as usize;
                 let facet = &group.facets[number];
                 material = group.materials[number] as usize;
-                let carried = if N::SHAPES { placed.carried.as_ref() } else { None };
+                let transform = instance.transform();
+                let carried = (N::SHAPES && !transform.is_identity()).then_some(transform);
                 let mut own = match carried {
-                    Some(carried) => carried.to_object.transform_point3(position),
+                    Some(carried) => carried.to_object().transform_point3(position),
                     None => position,
                 };
                 own -= facet.normal * (own.dot(facet.normal) - facet.distance);
@@ -107,14 +120,16 @@ impl Stage {
                 match carried {
                     None => offset = facet.offset + offset::of_point(of_facet, own.abs()),
                     Some(carried) => {
-                        position = carried.to_world.transform_point3(own);
-                        let back = offset::reach(&carried.to_object, position);
+                        let (to_world, to_object) = (carried.to_world(), carried.to_object());
+                        let normals = to_object.matrix3.transpose();
+                        position = to_world.transform_point3(own);
+                        let back = offset::reach(to_object, position);
                         let in_object = facet.offset + offset::of_point(of_facet, own.abs() + back);
-                        of_facet = (carried.normals * glam::Vec3A::from(of_facet)).into();
+                        of_facet = (normals * glam::Vec3A::from(of_facet)).into();
                         let longer = of_facet.length();
                         of_facet = of_facet.normalize_or_zero();
-                        normal = (carried.normals * glam::Vec3A::from(normal)).into();
-                        let there = offset::reach(&carried.to_world, own);
+                        normal = (normals * glam::Vec3A::from(normal)).into();
+                        let there = offset::reach(to_world, own);
                         offset = in_object / longer + offset::of_point(of_facet, there);
                     }
                 }

@@ -6,11 +6,11 @@ use glam::Vec3;
 use trisect_core::Ray;
 use trisect_method::Culling;
 use trisect_scene::{Color, luminance};
-use trisect_tracer::{Tracing, TriangleHit, meets_box};
+use trisect_tracer::{Crossings, Tracing, Tree, TriangleHit};
 
 use crate::needs::{Needs, Part, Parts};
 use crate::settings::{Mode, Occlusion, Settings};
-use crate::stage::{Carried, Stage};
+use crate::stage::Stage;
 use crate::surface::{Target, crossings, meet_plane, meet_sphere};
 
 /// How many rays were traced.
@@ -74,9 +74,8 @@ pub(crate) struct Wave {
     shadow_carrying: Vec<Carrying>,
     is_dark: Vec<bool>,
     blocked: Vec<bool>,
-    /// Rays carried to a group's space, and which they are.
-    carried: Vec<Ray<f32>>,
-    which: Vec<u32>,
+    /// What one ray to a light goes through.
+    passed: Vec<TriangleHit>,
     /// What the samples have so far.
     radiance: Vec<Color>,
     /// For random numbers: which pixel and sample each slot is. Only where there are
@@ -153,7 +152,7 @@ impl Wave {
                 let met = if N::SHAPES {
                     targets[at].is_something().then(|| (*ray, targets[at]))
                 } else {
-                    found[at].map(|found| (up_to(ray, &found), Target::in_first(&found)))
+                    found[at].map(|found| (up_to(ray, &found), Target::triangle(&found)))
                 };
                 match met {
                     None => self.add(carrying, stage.scene.sky(ray.d.into())),
@@ -214,47 +213,19 @@ impl Wave {
     /// What each ray meets first: where there are shapes a target, at which its interval ends, and else no
     /// more than what is found in the only tree.
     fn find_targets<N: Needs>(&mut self, stage: &Stage, tracing: Tracing) {
-        let Self { rays, targets, found, carried, which, .. } = self;
-        if !N::SHAPES {
-            found.resize(rays.len(), None);
-            match stage.placed.first() {
-                Some(placed) => {
-                    let tree = &*stage.groups[placed.group].tree;
-                    tree.closest(tracing, Culling::None, rays, found);
-                }
-                None => found.fill(None),
-            }
-            return;
+        let Self { rays, targets, found, .. } = self;
+        if N::SHAPES {
+            targets.clear();
+            targets.extend(rays.iter_mut().map(|ray| nearest_simple(stage, ray)));
         }
-        targets.clear();
-        targets.extend(rays.iter_mut().map(|ray| nearest_simple(stage, ray)));
-        for (what, placed) in (0_u32..).zip(&stage.placed) {
-            let tree = &*stage.groups[placed.group].tree;
-            let take = |ray: &mut Ray<f32>, target: &mut Target, found: &TriangleHit| {
-                if found.hit.t < ray.tmax {
-                    ray.tmax = found.hit.t;
-                    *target = Target { what, number: found.triangle };
-                }
-            };
-            match &placed.carried {
-                None => {
-                    found.resize(rays.len(), None);
-                    tree.closest(tracing, Culling::None, rays, found);
-                    for ((ray, target), found) in rays.iter_mut().zip(&mut *targets).zip(&*found) {
-                        if let Some(found) = found {
-                            take(ray, target, found);
-                        }
-                    }
-                }
-                Some(place) => {
-                    carry(place, rays, carried, which);
-                    found.resize(carried.len(), None);
-                    tree.closest(tracing, Culling::None, carried, found);
-                    for (&number, found) in which.iter().zip(&*found) {
-                        if let Some(found) = found {
-                            take(&mut rays[number as usize], &mut targets[number as usize], found);
-                        }
-                    }
+        found.resize(rays.len(), None);
+        stage.all.closest(tracing, Culling::None, rays, found);
+        if N::SHAPES {
+            for ((ray, target), found) in rays.iter_mut().zip(targets).zip(found) {
+                if let Some(found) = found
+                    && found.hit.t < ray.tmax
+                {
+                    (ray.tmax, *target) = (found.hit.t, Target::triangle(found));
                 }
             }
         }
@@ -262,7 +233,7 @@ impl Wave {
 
     /// Adds what reaches the samples of those lights that no shadow falls on.
     fn add_lights(&mut self, stage: &Stage, tracing: Tracing, shines_through: bool) {
-        let Self { shadow_rays, is_dark, blocked, carried, which, .. } = self;
+        let Self { shadow_rays, is_dark, blocked, .. } = self;
         self.counts.shadow += shadow_rays.len() as u64;
         is_dark.clear();
         is_dark.extend(shadow_rays.iter_mut().map(|ray| {
@@ -273,25 +244,10 @@ impl Wave {
             }
             dark
         }));
-        for placed in stage.placed.iter().filter(|placed| placed.casts_shadow) {
-            let tree = &*stage.groups[placed.group].tree;
-            match &placed.carried {
-                None => {
-                    blocked.resize(shadow_rays.len(), false);
-                    tree.any(tracing, Culling::None, shadow_rays, blocked);
-                    for (dark, blocked) in is_dark.iter_mut().zip(&*blocked) {
-                        *dark |= blocked;
-                    }
-                }
-                Some(place) => {
-                    carry(place, shadow_rays, carried, which);
-                    blocked.resize(carried.len(), false);
-                    tree.any(tracing, Culling::None, carried, blocked);
-                    for (&number, blocked) in which.iter().zip(&*blocked) {
-                        is_dark[number as usize] |= blocked;
-                    }
-                }
-            }
+        blocked.resize(shadow_rays.len(), false);
+        stage.solid.any(tracing, Culling::None, shadow_rays, blocked);
+        for (dark, blocked) in is_dark.iter_mut().zip(&*blocked) {
+            *dark |= blocked;
         }
         if shines_through {
             self.shine_through(stage, tracing);
@@ -305,9 +261,10 @@ impl Wave {
         self.shadow_carrying.clear();
     }
 
-    /// Weakens the light that goes through what is clear, at each surface by its transmission.
+    /// Weakens the light that goes through what is clear, at each surface by its transmission: one instance after
+    /// another, so that two that touch both count.
     fn shine_through(&mut self, stage: &Stage, tracing: Tracing) {
-        let Self { shadow_rays, shadow_carrying, is_dark, found, carried, which, .. } = self;
+        let Self { shadow_rays, shadow_carrying, is_dark, blocked, passed, .. } = self;
         for ((ray, carrying), dark) in
             shadow_rays.iter_mut().zip(&mut *shadow_carrying).zip(&*is_dark)
         {
@@ -317,33 +274,23 @@ impl Wave {
                 carrying.weight *= passed_simply(stage, ray);
             }
         }
-        for placed in stage.placed.iter().filter(|placed| !placed.casts_shadow) {
-            let group = &stage.groups[placed.group];
-            match &placed.carried {
-                None => {
-                    let lit = (0_u32..).zip(&*shadow_rays).filter(|(_, ray)| ray.tmax > ray.tmin);
-                    (*which, *carried) = lit.unzip();
-                }
-                Some(place) => carry(place, shadow_rays, carried, which),
-            }
-            // From surface to surface, until no ray meets another.
-            while !carried.is_empty() {
-                found.resize(carried.len(), None);
-                group.tree.closest(tracing, Culling::None, carried, found);
-                let mut left = 0;
-                for at in 0..carried.len() {
-                    let Some(found) = found[at] else { continue };
-                    let material = group.materials[found.triangle as usize] as usize;
-                    let weight = &mut shadow_carrying[which[at] as usize].weight;
+        // Most meet nothing clear.
+        stage.clear.any(tracing, Culling::None, shadow_rays, blocked);
+        let passing = shadow_rays.iter().zip(shadow_carrying).zip(blocked);
+        for ((ray, Carrying { weight, .. }), _) in passing.filter(|(_, passes)| **passes) {
+            stage.clear.all(tracing, Culling::None, Crossings::Every, ray, passed);
+            // By instance, and of each by distance as they were.
+            let of = |hit: &TriangleHit| stage.clear.locate(hit.triangle);
+            passed.sort_by_key(|hit| of(hit).0);
+            let (mut last, mut from) = (usize::MAX, f32::NEG_INFINITY);
+            for hit in &*passed {
+                let (instance, triangle) = of(hit);
+                if instance != last || hit.hit.t >= from {
+                    let group = stage.clear.instances()[instance].of();
+                    let material = group.materials[triangle as usize] as usize;
                     *weight *= stage.scene.materials[material].transmission;
-                    if *weight != Vec3::ZERO {
-                        carried[left] = Ray { tmin: behind(found.hit.t), ..carried[at] };
-                        which[left] = which[at];
-                        left += 1;
-                    }
+                    (last, from) = (instance, behind(hit.hit.t));
                 }
-                carried.truncate(left);
-                which.truncate(left);
             }
         }
     }
@@ -370,14 +317,14 @@ pub(crate) fn nearest_simple(stage: &Stage, ray: &mut Ray<f32>) -> Target {
         let t = meet_sphere(sphere, o, d, ray.tmax);
         if t < ray.tmax {
             ray.tmax = t;
-            target = Target { what: Target::SPHERE, number };
+            target = Target::sphere(number);
         }
     }
     for (number, plane) in (0_u32..).zip(&stage.planes) {
         let t = meet_plane(plane, o, d, ray.tmax);
         if t < ray.tmax {
             ray.tmax = t;
-            target = Target { what: Target::PLANE, number };
+            target = Target::plane(number);
         }
     }
     target
@@ -411,29 +358,6 @@ fn passed_simply(stage: &Stage, ray: &Ray<f32>) -> Color {
         }
     }
     left
-}
-
-/// Carries those rays to a group's space that meet its box.
-fn carry(place: &Carried, rays: &[Ray<f32>], out: &mut Vec<Ray<f32>>, which: &mut Vec<u32>) {
-    out.clear();
-    which.clear();
-    for (number, ray) in (0_u32..).zip(rays) {
-        if let Some(ray) = carried(place, ray) {
-            out.push(ray);
-            which.push(number);
-        }
-    }
-}
-
-/// A ray in a group's space, if it meets its box: distances stay as they are.
-#[inline]
-pub(crate) fn carried(place: &Carried, ray: &Ray<f32>) -> Option<Ray<f32>> {
-    let [low, high] = place.bounds;
-    meets_box(ray, low.into(), high.into()).then(|| Ray {
-        o: place.to_object.transform_point3(ray.o.into()).into(),
-        d: place.to_object.transform_vector3(ray.d.into()).into(),
-        ..*ray
-    })
 }
 
 /// The largest part of a colour.

@@ -15,6 +15,7 @@ use crate::bvh::wide::Statistics;
 use crate::dispatch::{Tracing, assert_room};
 use crate::hit::TriangleHit;
 use crate::hits::{Crossings, NotExact, Verdict, upwards};
+use crate::instances::Extent;
 use crate::traverse::inspect::Counted;
 use crate::tree::Tree;
 
@@ -22,6 +23,7 @@ use crate::tree::Tree;
 pub struct EveryTriangle<M: Method> {
     triangles: PreparedTriangles<M, f32>,
     count: usize,
+    extent: Extent,
 }
 
 impl<M: Method> EveryTriangle<M> {
@@ -33,7 +35,8 @@ impl<M: Method> EveryTriangle<M> {
     /// # Panics
     /// When there are more than `u32::MAX − 1` triangles.
     pub fn new(triangles: &[Triangle<f32>]) -> Result<Self, UnsuitableMesh> {
-        Ok(Self { triangles: PreparedTriangles::new(triangles)?, count: triangles.len() })
+        let (count, extent) = (triangles.len(), Extent::of(triangles));
+        Ok(Self { triangles: PreparedTriangles::new(triangles)?, count, extent })
     }
 
     fn all_of_ray(
@@ -261,8 +264,12 @@ impl<M: Method> Tree for EveryTriangle<M> {
         if built != given {
             return Err(RefitError::Count { built, given });
         }
-        self.triangles = PreparedTriangles::new(triangles)?;
+        *self = Self::new(triangles)?;
         Ok(())
+    }
+
+    fn extent(&self) -> Extent {
+        self.extent.clone()
     }
 
     /// Of a tree without nodes.

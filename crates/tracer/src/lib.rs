@@ -6,6 +6,7 @@ mod dispatch;
 mod every;
 mod hit;
 mod hits;
+mod instances;
 mod lanes;
 mod leaf;
 mod parallel;
@@ -18,13 +19,16 @@ mod traverse;
 mod tree;
 mod vectors;
 
-pub use bvh::builders::RefitError;
 pub use bvh::builders::settings::{Builder, Leaves, UnknownBuilder};
+pub use bvh::builders::{RefitError, is_worn};
 pub use bvh::wide::Statistics;
 pub use dispatch::Tracing;
 pub use every::EveryTriangle;
 pub use hit::{MaybeHit, TriangleHit};
 pub use hits::{AllHits, Crossings, NotExact, Verdict};
+pub use instances::{
+    BadTransform, Extent, HasTree, Instance, InstanceError, Instances, Transform, Update,
+};
 pub use lanes::fast_lanes;
 pub use precision::Precision;
 pub use rays::slabs::meets_box;

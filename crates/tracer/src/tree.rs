@@ -1,5 +1,7 @@
 //! Trees over meshes: one type for each way of compiling a method into them.
 
+use std::any::Any;
+use std::collections::BTreeSet;
 use std::marker::PhantomData;
 use std::slice::{from_mut, from_ref};
 
@@ -12,6 +14,7 @@ use crate::bvh::wide::Statistics;
 use crate::dispatch::{self, Traced, Tracing, assert_room};
 use crate::hit::{MaybeHit, TriangleHit};
 use crate::hits::{AllHits, Crossings, NotExact, Source, Verdict, all_of, lanes_of};
+use crate::instances::Extent;
 use crate::lanes::PlainLanes;
 use crate::parallel::fill;
 use crate::precision::Precision;
@@ -21,7 +24,7 @@ use crate::traverse::inspect::{self, Counted};
 use crate::vectors::WIDTH;
 
 /// A tree over a mesh, whatever its method, in f32 or in f64.
-pub trait Tree<P: Precision = f32>: Send + Sync {
+pub trait Tree<P: Precision = f32>: Any + Send + Sync {
     /// The closest hit of each ray: smallest `t`, then lowest id. On the threads of the pool that it is called
     /// in.
     ///
@@ -189,6 +192,14 @@ pub trait Tree<P: Precision = f32>: Send + Sync {
 
     /// Facts about the tree.
     fn statistics(&self) -> Statistics;
+
+    /// What a tree over [`Instances`](crate::Instances) has to know of it.
+    fn extent(&self) -> Extent;
+
+    /// Bytes of nodes and blocks, but those of shared trees whose addresses are among the counted.
+    fn bytes(&self, _counted: &mut BTreeSet<usize>) -> usize {
+        self.statistics().bytes
+    }
 }
 
 /// A mesh in a tree whose loops are compiled for a method: the fastest to trace, and the slowest to compile.
@@ -332,6 +343,10 @@ macro_rules! inspections {
         fn statistics(&self) -> Statistics {
             let leaves = self.traced.leaves();
             self.traced.tree().statistics(leaves.count(), leaves.bytes())
+        }
+
+        fn extent(&self) -> Extent {
+            Extent::of_tree(self.traced.tree())
         }
     };
 }

@@ -54,6 +54,11 @@ pub enum UpdateError {
         /// How many there are now.
         given: usize,
     },
+    /// The scene is one of instances.
+    #[error(
+        "a scene of instances has no vertices of its own: move its instances, or make it anew of scenes that have moved"
+    )]
+    Instances,
     /// A corner of a face is infinite or NaN.
     #[error(transparent)]
     Vertices(#[from] SceneError),

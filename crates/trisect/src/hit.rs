@@ -66,14 +66,18 @@ impl<P: Precision> Hit<P> {
     }
 
     /// The normal of the triangle that is hit, of unit length: it points from the front, from where the corners
-    /// `a, b, c` run counter-clockwise, whichever side the ray comes from. Computed in f64 from the corners as
+    /// `a, b, c` run counter-clockwise, whichever side the ray comes from. In an instance the front is where it is in
+    /// the space of the mesh, mirrored or not: the normal is carried by the inverse transpose. Computed in f64 from the corners as
     /// `scene` has them now; zeros for a triangle so thin that not even that finds its plane.
     ///
     /// # Panics
     /// When the scene has no such triangle.
     pub fn normal(&self, scene: &Scene<P>) -> [P; 3] {
         let [a, b, c] = scene.corners(self.triangle);
+        // Of corners that are carried, this is the mesh's normal times the matrix of cofactors: the inverse transpose
+        // times the determinant, whose sign alone matters.
         let normal: Vec3<f64> = (b - a).cross(c - a);
+        let normal = if scene.is_mirrored(self.triangle) { -normal } else { normal };
         let length = normal.dot(normal).sqrt();
         let share = |x: f64| P::from_f64(if length > 0.0 { x / length } else { 0.0 });
         normal.to_array().map(share)

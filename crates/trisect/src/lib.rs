@@ -3,6 +3,7 @@
 
 mod error;
 mod hit;
+mod instances;
 mod options;
 mod precision;
 mod rounded;
@@ -11,6 +12,7 @@ pub mod trees;
 
 pub use error::{SceneError, UpdateError};
 pub use hit::{AllHits, Hit};
+pub use instances::Transform;
 pub use options::SceneOptions;
 pub use precision::Precision;
 pub use scene::{Scene, View};
@@ -24,7 +26,9 @@ pub type Triangle<P = f32> = trisect_core::Triangle<P>;
 pub use trisect_core::Vec3;
 pub use trisect_mesh::{MeshError, Note};
 pub use trisect_method::{Culling, Method, Place, UnsuitableMesh};
-pub use trisect_tracer::{Builder, Crossings, NotExact, RefitError, Statistics, Verdict};
+pub use trisect_tracer::{
+    Builder, Crossings, InstanceError, NotExact, RefitError, Statistics, Update, Verdict,
+};
 
 /// What a method of one's own is written with: numbers and lanes.
 pub use trisect_core as core;

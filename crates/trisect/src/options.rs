@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use trisect_mesh::Mesh;
-use trisect_method::Method;
-use trisect_tracer::{Builder, Leaves, Tracing};
+use trisect_method::{Method, UnsuitableMesh};
+use trisect_tracer::{Builder, Leaves, Tracing, Tree};
 
 use crate::error::MOST;
 use crate::rounded::Rounded;
+use crate::scene::BuildAnew;
 use crate::trees::{self, BuildTree};
 use crate::{Note, Precision, Scene, SceneError, Triangle};
 
@@ -100,12 +101,10 @@ impl<P: Precision> SceneOptions<P> {
         faces: Option<(Box<[[u32; 3]]>, usize)>,
         notes: Vec<Note>,
     ) -> Result<Scene<P>, SceneError> {
-        let (faces, vertices) = match faces {
-            Some((faces, vertices)) => (Some(faces), vertices),
-            None => (None, 3 * triangles.len()),
+        let anew = move |triangles: &[Triangle<P>]| {
+            (self.build)(triangles, self.builder, Leaves::default())
         };
-        let tree = (self.build)(&triangles, self.builder, Leaves::default())?;
-        Ok(Scene { tree, triangles, faces, vertices, notes, batches: self.batches })
+        scene(Box::new(anew), triangles, faces, notes, self.batches)
     }
 }
 
@@ -137,7 +136,7 @@ impl SceneOptions<f32> {
     /// [`Hit::point`](crate::Hit::point) weights the vertices as they were given.
     ///
     /// A vertex is moved by up to 2⁻²⁵ of the scene's largest extent. A direction beyond the range of f32 hits nothing.
-    /// [`Scene::update`] keeps the center.
+    /// [`Scene::update`] keeps the center, unless the tree is made anew.
     ///
     /// # Errors
     /// As [`build`](SceneOptions::build).
@@ -148,16 +147,30 @@ impl SceneOptions<f32> {
     ) -> Result<Scene<f64>, SceneError> {
         count(faces.len())?;
         let triangles = corners(vertices, faces)?;
-        let tree = Rounded::build(&triangles, self.build, self.builder)?;
-        Ok(Scene {
-            tree: Box::new(tree),
-            triangles,
-            faces: Some(faces.into()),
-            vertices: vertices.len(),
-            notes: vec![],
-            batches: self.batches,
-        })
+        let anew =
+            move |triangles: &[Triangle<f64>]| -> Result<Box<dyn Tree<f64>>, UnsuitableMesh> {
+                Ok(Box::new(Rounded::build(triangles, self.build, self.builder)?))
+            };
+        let faces = Some((faces.into(), vertices.len()));
+        scene(Box::new(anew), triangles, faces, vec![], self.batches)
     }
+}
+
+/// The scene of a mesh whose trees are built so.
+fn scene<P: Precision>(
+    anew: BuildAnew<P>,
+    triangles: Vec<Triangle<P>>,
+    faces: Option<(Box<[[u32; 3]]>, usize)>,
+    notes: Vec<Note>,
+    batches: Tracing,
+) -> Result<Scene<P>, SceneError> {
+    let (faces, vertices) = match faces {
+        Some((faces, vertices)) => (Some(faces), vertices),
+        None => (None, 3 * triangles.len()),
+    };
+    let tree = anew(&triangles)?;
+    let built = tree.statistics().cost;
+    Ok(Scene { tree, triangles, faces, vertices, notes, batches, anew: Some(anew), built })
 }
 
 /// How batches of a method are traced where nothing else is asked for: so that they answer as single rays do.

@@ -3,8 +3,8 @@
 use trisect_core::{Hit, Ray, Triangle, Vec3};
 use trisect_method::{Culling, Place, UnsuitableMesh};
 use trisect_tracer::{
-    Builder, Counted, Crossings, Leaves, MaybeHit, NotExact, RefitError, Statistics, Tracing, Tree,
-    TriangleHit, Verdict,
+    Builder, Counted, Crossings, Extent, Leaves, MaybeHit, NotExact, RefitError, Statistics,
+    Tracing, Tree, TriangleHit, Verdict,
 };
 
 use crate::precision::Scenes as _;
@@ -156,5 +156,9 @@ impl Tree<f64> for Rounded {
 
     fn statistics(&self) -> Statistics {
         self.tree.statistics()
+    }
+
+    fn extent(&self) -> Extent {
+        self.tree.extent()
     }
 }

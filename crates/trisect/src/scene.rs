@@ -4,13 +4,13 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use trisect_core::Vec3;
-use trisect_method::{Culling, Method};
-use trisect_tracer::{Statistics, Tracing, Tree, TriangleHit};
+use trisect_method::{Culling, Method, UnsuitableMesh};
+use trisect_tracer::{RefitError, Statistics, Tracing, Tree, TriangleHit};
 
 use crate::options::corners;
 use crate::{
     AllHits, Crossings, Hit, NotExact, Note, Place, Precision, Ray, SceneError, SceneOptions,
-    Triangle, UpdateError, Verdict,
+    Triangle, Update, UpdateError, Verdict,
 };
 
 /// A mesh that rays are asked of, from any number of threads.
@@ -18,6 +18,7 @@ use crate::{
 /// A ray that is not finite, whose direction is zero, or whose interval is empty hits nothing.
 pub struct Scene<P: Precision = f32> {
     pub(crate) tree: Box<dyn Tree<P>>,
+    /// None where the scene is one of instances.
     pub(crate) triangles: Vec<Triangle<P>>,
     /// The vertices of each triangle; where there are none, it has three of its own.
     pub(crate) faces: Option<Box<[[u32; 3]]>>,
@@ -25,7 +26,15 @@ pub struct Scene<P: Precision = f32> {
     pub(crate) vertices: usize,
     pub(crate) notes: Vec<Note>,
     pub(crate) batches: Tracing,
+    /// Builds its tree anew; nothing where the scene is one of instances.
+    pub(crate) anew: Option<BuildAnew<P>>,
+    /// What a ray was expected to cost when the tree was built.
+    pub(crate) built: f64,
 }
+
+/// Builds the tree of a scene whose triangles have moved.
+pub(crate) type BuildAnew<P> =
+    Box<dyn Fn(&[Triangle<P>]) -> Result<Box<dyn Tree<P>>, UnsuitableMesh> + Send + Sync>;
 
 /// A scene of which some faces are not seen, or whose triangles own their crossings.
 #[derive(Clone, Copy)]
@@ -193,15 +202,18 @@ impl<P: Precision> Scene<P> {
         self.seen(Culling::None).crossings(crossings)
     }
 
-    /// Moves the vertices. The tree stays as it is and is fitted to them: quicker than making it anew, but slower
-    /// to trace the further they move relative to each other. Make scenes that move with
-    /// [`SceneOptions::moving`]. Where the scene was not made of faces, its vertices are the corners of its triangles, one
-    /// triangle after another.
+    /// Moves the vertices. The tree is fitted to them, which is far quicker than making it anew; where it has become
+    /// worn by that, it is made anew after all, with the builder that it was made with: where a ray is expected to cost
+    /// more than 1.25 times what it cost when the tree was built, by the surface area heuristic. What was done is
+    /// returned. Make scenes that move with [`SceneOptions::moving`]: where triangles were divided between leaves, a
+    /// tree that is fitted is worn at once. Where the scene was not made of faces, its vertices are the corners of its
+    /// triangles, one triangle after another.
     ///
     /// # Errors
-    /// When there are not as many vertices as before, when one that a face names is not finite, or when a triangle that
-    /// had no area as the scene was made has one now. The scene is as before then.
-    pub fn update(&mut self, vertices: &[[P; 3]]) -> Result<(), UpdateError> {
+    /// When there are not as many vertices as before, when one that a face names is not finite, or when the scene is
+    /// one of instances. The scene is as before then.
+    pub fn update(&mut self, vertices: &[[P; 3]]) -> Result<Update, UpdateError> {
+        let Some(anew) = &self.anew else { return Err(UpdateError::Instances) };
         let (made, given) = (self.vertices, vertices.len());
         if made != given {
             return Err(UpdateError::Count { made, given });
@@ -212,12 +224,22 @@ impl<P: Precision> Scene<P> {
                 vertices.as_chunks().0.iter().map(|&[a, b, c]| Triangle::new(a, b, c)).collect()
             }
         };
-        self.tree.refit(&moved)?;
+        let update = match self.tree.refit(&moved) {
+            Ok(()) => Update::of_cost(self.built, self.tree.statistics().cost),
+            // It is in no leaf.
+            Err(RefitError::Appeared { .. }) => Update::Rebuilt,
+            Err(error) => return Err(error.into()),
+        };
+        if update == Update::Rebuilt {
+            // A mesh that the tree was fitted to suits the method.
+            self.tree = anew(&moved).map_err(SceneError::from)?;
+            self.built = self.tree.statistics().cost;
+        }
         self.triangles = moved;
-        Ok(())
+        Ok(update)
     }
 
-    /// The triangles, by index.
+    /// The triangles, by index; none where the scene is one of instances.
     pub fn triangles(&self) -> &[Triangle<P>] {
         &self.triangles
     }
@@ -230,10 +252,6 @@ impl<P: Precision> Scene<P> {
     /// Facts about the tree: its nodes, its depth, its bytes.
     pub fn statistics(&self) -> Statistics {
         self.tree.statistics()
-    }
-
-    pub(crate) fn corners(&self, triangle: u32) -> [Vec3<f64>; 3] {
-        self.triangles[triangle as usize].corners().map(|corner| corner.map(P::to_f64))
     }
 }
 

@@ -77,6 +77,19 @@ fn moving_mesh() {
 }
 
 #[test]
+fn instances() {
+    let expected = "\
+[0, 0], triangle 0 at 29.50, normal [0.0, 0.0, 1.0]
+[0, 1], triangle 0 at 29.50, normal [0.0, 0.0, 1.0]
+[0, 2], triangle 0 at 29.50, normal [0.0, 0.0, 1.0]
+[0, 0], triangle 2 at 27.94, normal [-0.9, 0.0, 0.5]
+[0, 1], triangle 0 at 31.62, normal [0.5, 0.0, 0.9]
+[0, 2], triangle 0 at 35.99, normal [0.5, 0.0, 0.9]
+";
+    assert_eq!(printed("instances"), expected);
+}
+
+#[test]
 fn terrain() {
     let text = printed("terrain");
     let lines: Vec<&str> = text.lines().collect();

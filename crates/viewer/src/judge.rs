@@ -145,7 +145,9 @@ mod tests {
     use trisect_method::{Culling, Place};
     use trisect_render::Settings;
     use trisect_scene::Scene;
-    use trisect_tracer::{Counted, Crossings, NotExact, RefitError, Statistics, Tracing, Tree};
+    use trisect_tracer::{
+        Counted, Crossings, Extent, NotExact, RefitError, Statistics, Tracing, Tree,
+    };
 
     use super::*;
 
@@ -199,6 +201,9 @@ mod tests {
         }
         fn statistics(&self) -> Statistics {
             self.0.statistics()
+        }
+        fn extent(&self) -> Extent {
+            self.0.extent()
         }
     }
 

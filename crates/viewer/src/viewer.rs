@@ -9,9 +9,8 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use trisect_catalog::{Builder, Entry, entries};
 use trisect_core::Ray;
-use trisect_method::UnsuitableMesh;
 use trisect_oracle::Oracle;
-use trisect_render::{Image, Mode, Renderer, Sampling, Settings, Stage, Watch};
+use trisect_render::{Image, Mode, Renderer, Sampling, Settings, Stage, StageError, Watch};
 use trisect_scene::{Camera, Scene};
 
 use crate::controls::Orbit;
@@ -403,7 +402,7 @@ fn in_trees(
     scene: Scene,
     entry: &Entry,
     builder: Builder,
-) -> Result<(Stage, Triangles), UnsuitableMesh> {
+) -> Result<(Stage, Triangles), StageError> {
     let triangles = RefCell::new(Vec::new());
     let stage = Stage::new(scene, |of_tree| {
         triangles.borrow_mut().push(of_tree.to_vec());

@@ -1,5 +1,7 @@
 //! Boxes whose sides are parallel to the axes.
 
+use trisect_core::Vec3;
+
 /// Coordinates and directions are trusted up to this, 2¹²⁶: differences do not overflow, and the inverse of a
 /// direction is not subnormal.
 pub(crate) const LARGEST: f32 = f32::MAX / 4.0;
@@ -12,6 +14,11 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
+    /// The least and the largest corner.
+    pub(crate) fn corners(&self) -> [Vec3<f32>; 2] {
+        [self.min.into(), self.max.into()]
+    }
+
     /// The largest coordinate, in magnitude; infinite for the empty box.
     pub(crate) fn largest(&self) -> f32 {
         self.min.iter().chain(&self.max).fold(0.0, |largest: f32, x| largest.max(x.abs()))

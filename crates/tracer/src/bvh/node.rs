@@ -85,6 +85,14 @@ impl Node {
         whole
     }
 
+    /// The children that there are, with their boxes.
+    pub(crate) fn boxes(&self) -> impl Iterator<Item = (Bounds, u32)> + '_ {
+        let children = self.children.iter().enumerate();
+        let boxes = children.map(|(lane, &reference)| (self.bounds_of(lane), reference));
+        // An empty place has its box at infinity, or an empty one.
+        boxes.filter(|(Bounds { min, max }, _)| min[0] <= max[0] && min[0] < f32::INFINITY)
+    }
+
     /// The box of a child.
     pub(crate) fn bounds_of(&self, lane: usize) -> Bounds {
         let corner = |row: usize| [0, 1, 2].map(|axis| self.bounds[axis][row][lane]);

@@ -68,8 +68,20 @@ impl WideTree {
         }
     }
 
+    /// The boxes two levels below the root, or one where that is a leaf.
+    pub(crate) fn boxes(&self) -> impl Iterator<Item = Bounds> + '_ {
+        self.nodes[0].boxes().flat_map(|(bounds, reference)| {
+            let below = match child(reference) {
+                Child::Node(at) => Some(self.nodes[at].boxes().map(|(bounds, _)| bounds)),
+                Child::Leaf(..) => None,
+            };
+            let own = below.is_none().then_some(bounds);
+            below.into_iter().flatten().chain(own)
+        })
+    }
+
     /// The expected cost of a ray that meets the root.
-    fn cost(&self) -> f64 {
+    pub(crate) fn cost(&self) -> f64 {
         let whole = f64::from(self.bounds.half_area());
         let mut cost = 1.0;
         for node in &self.nodes {

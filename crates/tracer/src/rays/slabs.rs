@@ -161,15 +161,32 @@ impl<L: Lanes<Elem = f32>> Slabs<L> {
         let far = Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
         within(near, far, interval)
     }
+
+    /// For boxes that are larger by a margin on each side. Of robust tests.
+    #[inline(always)]
+    pub(crate) fn widened(self, margin: f32) -> Self {
+        let by = self.inverse.map(
+            #[inline(always)]
+            |inverse| inverse.magnitude() * inverse.constant(margin),
+        );
+        Self { near: self.near + by, far: self.far - by, ..self }
+    }
 }
 
 /// Whether a ray may meet the points between two corners within its interval, as the contract has it; never
 /// wrong where it says no. A ray in a side of the box meets it.
 #[inline]
 pub fn meets_box(ray: &Ray<f32>, low: Vec3<f32>, high: Vec3<f32>) -> bool {
+    meets_wide_box(ray, [low, high], 0.0)
+}
+
+/// The same for a box that is larger by a margin on each side.
+#[inline]
+pub(crate) fn meets_wide_box(ray: &Ray<f32>, [low, high]: [Vec3<f32>; 2], margin: f32) -> bool {
     let Interval { tmin, tmax } = Interval::of(ray);
-    let slabs = Slabs::new::<Robust>(ray, largest(low).max(largest(high)));
-    let (enters, leaves) = slabs.cross_either_way::<Robust>(low, high, (tmin, tmax));
+    let slabs = Slabs::new::<Robust>(ray, largest(low).max(largest(high)) + margin);
+    let (enters, leaves) =
+        slabs.widened(margin).cross_either_way::<Robust>(low, high, (tmin, tmax));
     enters <= leaves && tmin <= tmax && moves(ray)
 }
 

@@ -32,9 +32,37 @@ impl Job for Walk<'_> {
             #[inline(always)]
             || {
                 stack::declare_room!(items, stack::room(self.tree.depth));
-                walk::<L>(token, self, items)
+                walk::<L>(token, self, 0.0, items)
             },
         )
+    }
+}
+
+/// Rays, one after another, where every box is larger by a margin on each side.
+pub(crate) struct WideWalks<'a> {
+    pub(crate) tree: &'a WideTree,
+    pub(crate) rays: &'a [Ray<f32>],
+    /// By how much, for a ray.
+    pub(crate) margin: &'a dyn Fn(&Ray<f32>) -> f32,
+    /// Takes the index of the ray, and is as that of [`Walk`].
+    pub(crate) leaf: &'a mut dyn FnMut(usize, Range<usize>) -> f32,
+}
+
+impl Job for WideWalks<'_> {
+    type Output = ();
+
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) {
+        token.run(
+            #[inline(always)]
+            || {
+                let Self { tree, rays, margin, leaf } = self;
+                stack::declare_room!(items, stack::room(tree.depth));
+                for (index, ray) in rays.iter().enumerate() {
+                    let leaf = &mut |blocks: Range<usize>| leaf(index, blocks);
+                    walk::<L>(token, Walk { tree, ray, leaf }, margin(ray), items);
+                }
+            },
+        );
     }
 }
 
@@ -42,10 +70,11 @@ impl Job for Walk<'_> {
 fn walk<L: Lanes<Elem = f32>>(
     token: L::Token,
     Walk { tree, ray, leaf }: Walk<'_>,
+    margin: f32,
     items: &mut [u64],
 ) -> usize {
     let Interval { tmin, mut tmax } = Interval::of(ray);
-    let slabs = Slabs::new::<Robust>(&Ray::splat(token, ray), tree.reach);
+    let slabs = Slabs::new::<Robust>(&Ray::splat(token, ray), tree.reach + margin).widened(margin);
     let mut waiting = Stack::new(items);
     let mut visited = 0;
     if moves(ray) {

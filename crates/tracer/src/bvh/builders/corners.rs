@@ -1,6 +1,6 @@
 //! Boxes as the builders see them: eight numbers of which the smaller ones win.
 
-use trisect_core::Triangle;
+use trisect_core::{Triangle, Vec3};
 
 use crate::bvh::bounds::Bounds;
 
@@ -114,6 +114,11 @@ impl Corners {
 
     pub(crate) fn extents(&self) -> [f32; 3] {
         [0, 1, 2].map(|axis| self.max(axis) - self.min(axis))
+    }
+
+    /// The least and the largest corner.
+    pub(crate) fn corners(&self) -> [Vec3<f32>; 2] {
+        self.bounds().corners()
     }
 
     pub(crate) fn bounds(&self) -> Bounds {

@@ -2,8 +2,9 @@
 
 mod binary;
 mod bins;
+pub(crate) mod boxes;
 mod collapse;
-mod corners;
+pub(crate) mod corners;
 mod descent;
 mod emit;
 mod linear;
@@ -19,9 +20,9 @@ use trisect_core::Triangle;
 use self::corners::{Corners, Reference, id};
 use self::emit::Layout;
 use self::members::{Kinds, Members};
-pub use self::refit::RefitError;
 use self::refit::fit_boxes;
 pub(crate) use self::refit::refit;
+pub use self::refit::{RefitError, is_worn};
 use self::settings::{Builder, Leaves};
 use self::spatial::Cuts;
 use super::bounds::Bounds;

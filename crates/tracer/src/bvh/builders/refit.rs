@@ -1,4 +1,4 @@
-//! The same tree over a mesh that has moved.
+//! The same tree over a mesh that has moved, and whether it is worth keeping.
 
 use trisect_core::Triangle;
 use trisect_method::UnsuitableMesh;
@@ -32,10 +32,28 @@ pub enum RefitError {
         /// Its id.
         triangle: u32,
     },
+    /// The tree is over instances, and has no triangles of its own.
+    #[error("the triangles belong to what the instances place: refit that, and place it anew")]
+    Placed,
     /// The method cannot take the mesh any more.
     #[error(transparent)]
     Unsuitable(#[from] UnsuitableMesh),
 }
+
+/// Whether a tree that was refitted had better be built anew, given its [cost](crate::Statistics::cost)
+/// when it was built and now: where it is more than 1.25 times as much.
+pub fn is_worn(built: f64, now: f64) -> bool {
+    // Neither is NaN, but where there is nothing in the tree.
+    now > WORN * built
+}
+
+/// How much more a tree may cost than when it was built.
+///
+/// Measured on the bunny, by twisting it and by moving every triangle on its own: the time of a ray over that in a new tree
+/// follows the cost over that of a new tree, within a quarter up to a factor of 17. Building takes about four times
+/// as long as fitting, and as long as tracing 1.5 rays for each triangle. So at this much more, building has paid after six
+/// rays a triangle: sooner than a picture is done. Just below it, at most that is lost.
+const WORN: f64 = 1.25;
 
 /// Fits a tree to triangles of those kinds that have moved since it was built, and are in that frame now. Says what is in
 /// each block.
@@ -108,14 +126,19 @@ pub(super) fn fit_boxes(
         }
         corners
     });
+    fit(nodes, &boxes)
+}
+
+/// Computes the boxes of all nodes from those of the blocks; the box around them.
+pub(super) fn fit(nodes: &mut [Node], boxes: &[Corners]) -> Bounds {
     // What is below a node has a higher index.
     let mut of_nodes = vec![Corners::EMPTY; nodes.len()];
     for at in (0..nodes.len()).rev() {
         for lane in 0..WIDTH {
             let reference = nodes[at].children[lane];
             let corners = match child(reference) {
-                // The root is below nothing: its index stands for no child.
-                Child::Node(0) => continue,
+                // The root is below nothing: its index stands for no child. A place without a child keeps its box.
+                Child::Node(0) | Child::Leaf(_, 0) => continue,
                 Child::Node(index) => of_nodes[index],
                 Child::Leaf(first, count) => boxes[first..first + count]
                     .iter()
