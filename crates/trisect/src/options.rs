@@ -24,7 +24,7 @@ pub struct SceneOptions<P: Precision = f32> {
 impl<P: Precision> Default for SceneOptions<P> {
     /// As [`exact`](SceneOptions::exact).
     fn default() -> Self {
-        Self { build: P::EXACT, builder: Builder::default(), batches: Tracing::Packets }
+        Self { build: P::exact, builder: Builder::default(), batches: Tracing::Packets }
     }
 }
 
@@ -32,20 +32,20 @@ impl<P: Precision> SceneOptions<P> {
     /// The default: every decision, and which of two hits comes first, is that of exact arithmetic on the ray and
     /// the triangle as they are given; `t`, `beta` and `gamma` are rounded once.
     pub fn exact(self) -> Self {
-        Self { build: P::EXACT, batches: Tracing::Packets, ..self }
+        Self { build: P::exact, batches: Tracing::Packets, ..self }
     }
 
     /// The fastest: the test of Möller and Trumbore. Of all methods of this project no other is faster in a tree
     /// by more than measuring can tell. It may lose a ray that passes between two triangles through their common
     /// edge, or take one that passes beside an edge by a rounding.
     pub fn fast(self) -> Self {
-        Self { build: P::FAST, batches: Tracing::Single, ..self }
+        Self { build: P::fast, batches: Tracing::Single, ..self }
     }
 
     /// No ray passes between two triangles through their common edge: the test of Woop, Benthin and Wald. What is
     /// hit there, and which of two near hits comes first, is up to rounding.
     pub fn watertight(self) -> Self {
-        Self { build: P::WATERTIGHT, batches: Tracing::Single, ..self }
+        Self { build: P::watertight, batches: Tracing::Single, ..self }
     }
 
     /// Any method, one of your own among them. Its tree is compiled where this is called, which takes seconds.

@@ -5,11 +5,11 @@ use std::cell::Cell;
 use trisect_exact::ExactInTrees;
 use trisect_mesh::Mesh;
 use trisect_moller_trumbore::MollerTrumbore;
-use trisect_tracer::TriangleHit;
+use trisect_tracer::{Builder, Leaves, TriangleHit};
 use trisect_watertight::Watertight;
 
 use crate::Triangle;
-use crate::trees::{BuildTree, build};
+use crate::trees::{Built, build};
 
 /// `f32` or `f64`: the precision of a [`Scene`](crate::Scene), its rays and its hits.
 pub trait Precision: Scenes {}
@@ -20,11 +20,22 @@ impl Precision for f64 {}
 /// What scenes of a precision are made of. None of it is generic: it is compiled in this crate, once.
 pub trait Scenes: trisect_tracer::Precision {
     /// Builds the trees of [`SceneOptions::exact`](crate::SceneOptions::exact).
-    const EXACT: BuildTree<Self>;
+    ///
+    /// # Errors
+    /// Never: the method takes every mesh.
+    fn exact(triangles: &[Triangle<Self>], builder: Builder, leaves: Leaves) -> Built<Self>;
+
     /// Those of [`SceneOptions::fast`](crate::SceneOptions::fast).
-    const FAST: BuildTree<Self>;
+    ///
+    /// # Errors
+    /// Never: the method takes every mesh.
+    fn fast(triangles: &[Triangle<Self>], builder: Builder, leaves: Leaves) -> Built<Self>;
+
     /// Those of [`SceneOptions::watertight`](crate::SceneOptions::watertight).
-    const WATERTIGHT: BuildTree<Self>;
+    ///
+    /// # Errors
+    /// Never: the method takes every mesh.
+    fn watertight(triangles: &[Triangle<Self>], builder: Builder, leaves: Leaves) -> Built<Self>;
 
     /// The triangles of a mesh.
     fn triangles(mesh: &Mesh) -> Vec<Triangle<Self>>;
@@ -36,15 +47,30 @@ pub trait Scenes: trisect_tracer::Precision {
 macro_rules! scenes {
     ($float:ident, $triangles:expr) => {
         impl Scenes for $float {
-            const EXACT: BuildTree<Self> = |triangles, builder, leaves| {
+            fn exact(
+                triangles: &[Triangle<$float>],
+                builder: Builder,
+                leaves: Leaves,
+            ) -> Built<$float> {
                 build::<ExactInTrees, $float>(triangles, builder, leaves)
-            };
-            const FAST: BuildTree<Self> = |triangles, builder, leaves| {
+            }
+
+            fn fast(
+                triangles: &[Triangle<$float>],
+                builder: Builder,
+                leaves: Leaves,
+            ) -> Built<$float> {
                 build::<MollerTrumbore, $float>(triangles, builder, leaves)
-            };
-            const WATERTIGHT: BuildTree<Self> = |triangles, builder, leaves| {
+            }
+
+            fn watertight(
+                triangles: &[Triangle<$float>],
+                builder: Builder,
+                leaves: Leaves,
+            ) -> Built<$float> {
                 build::<Watertight, $float>(triangles, builder, leaves)
-            };
+            }
+
 
             fn triangles(mesh: &Mesh) -> Vec<Triangle<$float>> {
                 $triangles(mesh)

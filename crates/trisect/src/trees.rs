@@ -13,8 +13,10 @@ use crate::{Precision, Triangle};
 ///
 /// # Panics
 /// When there are more triangles or blocks than a tree can number, see [`Bvh::build`].
-pub type BuildTree<P = f32> =
-    fn(&[Triangle<P>], Builder, Leaves) -> Result<Box<dyn Tree<P>>, UnsuitableMesh>;
+pub type BuildTree<P = f32> = fn(&[Triangle<P>], Builder, Leaves) -> Built<P>;
+
+/// A tree, or why the method does not take the triangles.
+pub type Built<P = f32> = Result<Box<dyn Tree<P>>, UnsuitableMesh>;
 
 /// The names of the methods whose trees are here, as the catalogue of methods has them: that which is never wrong,
 /// the fastest, and that which lets no ray through between triangles.
@@ -23,7 +25,7 @@ pub const NAMES: [&str; 3] =
 
 /// The function that builds the tree of a method of [`NAMES`].
 pub fn find<P: Precision>(name: &str) -> Option<BuildTree<P>> {
-    let builds = [P::EXACT, P::FAST, P::WATERTIGHT];
+    let builds = [P::exact, P::fast, P::watertight];
     NAMES.into_iter().zip(builds).find(|(other, _)| *other == name).map(|(_, build)| build)
 }
 
@@ -32,6 +34,6 @@ pub(crate) fn build<M: Method, P: trisect_tracer::Precision>(
     triangles: &[Triangle<P>],
     builder: Builder,
     leaves: Leaves,
-) -> Result<Box<dyn Tree<P>>, UnsuitableMesh> {
+) -> Built<P> {
     Ok(Box::new(Bvh::<M, P>::build_with(triangles, builder, leaves)?))
 }
