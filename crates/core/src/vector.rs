@@ -165,6 +165,16 @@ where
         let (bits, signs): (V::Bits, V::Bits) = (self.lanes.bitcast(), s.lanes.bitcast());
         Self::new((bits ^ (signs & <V::Element as Float>::SIGN)).bitcast())
     }
+    #[inline(always)]
+    fn negative_unless_alike<const K: usize>(self, all: [Self; K]) -> Self {
+        let first: V::Bits = all[0].lanes.bitcast();
+        let mut differ = first ^ first;
+        for x in all {
+            let x: V::Bits = x.lanes.bitcast();
+            differ = differ | (first ^ x);
+        }
+        self.magnitude().xor_sign(Self::new(differ.bitcast()))
+    }
     // The instruction of x86 gives the second operand where either is NaN; that of other processors
     // does not.
     #[inline(always)]
