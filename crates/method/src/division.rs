@@ -272,8 +272,11 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for BySigns<R, EARLY_OUT> {
         found: impl FnOnce(L::Mask, Hit<L>),
     ) {
         let h = M::intersect(ray, triangle);
-        let after = (-interval.tmin).mul_add(h.det, h.t);
-        let before = interval.tmax.mul_sub(h.det, h.t);
+        // An end that is NaN, as that of a ray that is not finite, would count by its sign.
+        let one = h.det.constant(L::Elem::from_f64(1.0));
+        let some = interval.tmin.le(interval.tmax);
+        let after = L::select(some, -interval.tmin, -one).mul_add(h.det, h.t);
+        let before = L::select(some, interval.tmax, -one).mul_sub(h.det, h.t);
         let alike = |signed: L| signed.is_within(L::Elem::smallest_det(), L::Elem::largest_t());
         if L::N == 1 && Self::stops::<L>(alike(h.det.negative_unless_alike([after, before]))) {
             return;
