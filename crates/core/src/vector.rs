@@ -9,7 +9,7 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
 use crate::instruction_set::Token;
-use crate::lanes::{Float, Lanes};
+use crate::lanes::{Float, Lanes, Scalar as _};
 use crate::number::Number;
 
 /// How `a · b + c` rounds.
@@ -168,10 +168,11 @@ where
     #[inline(always)]
     fn negative_unless_alike<const K: usize>(self, all: [Self; K]) -> Self {
         let first: V::Bits = all[0].lanes.bitcast();
-        let mut differ = first ^ first;
+        // Nothing yet.
+        let mut differ: V::Bits = self.constant(V::Element::from_f64(0.0)).lanes.bitcast();
         for x in all {
             let x: V::Bits = x.lanes.bitcast();
-            differ = differ | (first ^ x);
+            differ |= first ^ x;
         }
         self.magnitude().xor_sign(Self::new(differ.bitcast()))
     }

@@ -31,6 +31,7 @@ impl<L: Lanes> Interval<L> {
 
     /// The closed interval, its ends brought within half the largest finite number, so that no
     /// hit can carry an infinite `t` however its quotient rounds.
+    #[allow(clippy::eq_op, reason = "x − x is NaN where x is NaN, and zero elsewhere")]
     #[inline(always)]
     pub fn new(tmin: L, tmax: L) -> Self {
         let end = tmax.constant(L::Elem::largest_t());
