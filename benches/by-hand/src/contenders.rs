@@ -9,13 +9,15 @@ use trisect_badouel::BadouelCramer;
 use trisect_baldwin_weber::BaldwinWeber12;
 use trisect_core::{Fused, Lanes, Ray, Vector};
 use trisect_kernels::PreparedTriangles;
-use trisect_method::{Barycentrics, Deferred, Division, Early, Method, Occlusion, TrueDivision};
+use trisect_method::{
+    Barycentrics, BySigns, Deferred, Division, Early, Method, Occlusion, TrueDivision,
+};
 use trisect_moller_trumbore::MollerTrumbore;
 use trisect_wald::Wald;
 use trisect_workloads::Workload;
 
 use crate::isa::{self, Isa};
-use crate::loops::{self, Blocks, ByHand, BySigns, DividesFirst, DividesLast, Form};
+use crate::loops::{self, Blocks, ByHand, DividesFirst, DividesLast, Form, SameSigns};
 use crate::{Comparison, Contender, Tally, Written, kernels};
 
 type Lanes8 = Vector<Avx2, f32x8<Avx2>, Fused>;
@@ -25,13 +27,11 @@ type Lanes16 = Vector<Avx512, f32x16<Avx512>, Fused>;
 type Kernel<M> = fn(&[Ray<f32>], &PreparedTriangles<M, f32>) -> Option<Tally>;
 
 /// Everything that this processor can run.
-pub(crate) fn all(workload: &Workload) -> Result<Vec<Contender<'_>>> {
-    let mut all = Vec::new();
-    of_method::<MollerTrumbore, 9>(workload, &mut all)?;
-    of_method::<Wald, 9>(workload, &mut all)?;
-    of_method::<BadouelCramer, 10>(workload, &mut all)?;
-    of_method::<BaldwinWeber12, 12>(workload, &mut all)?;
-    Ok(all)
+pub(crate) fn all<'a>(workload: &'a Workload, all: &mut Vec<Contender<'a>>) -> Result<()> {
+    of_method::<MollerTrumbore, 9>(workload, all)?;
+    of_method::<Wald, 9>(workload, all)?;
+    of_method::<BadouelCramer, 10>(workload, all)?;
+    of_method::<BaldwinWeber12, 12>(workload, all)
 }
 
 fn of_method<'a, F: ByHand<ROWS>, const ROWS: usize>(
@@ -75,8 +75,14 @@ impl<'a, F: ByHand<ROWS>, const ROWS: usize> Scene<'a, F, ROWS> {
             Deferred<TrueDivision, true>,
         >(i, "deferred", all);
         self.by_hand::<I, DividesLast<false>>(i, "deferred", Written::Bare, all);
-        self.by_hand::<I, BySigns<true>>(i, "signs", Written::ByHand, all);
-        self.by_hand::<I, BySigns<false>>(i, "signs", Written::Bare, all);
+        self.division::<
+            I,
+            L,
+            SameSigns<true>,
+            BySigns<TrueDivision, false>,
+            BySigns<TrueDivision, true>,
+        >(i, "signs", all);
+        self.by_hand::<I, SameSigns<false>>(i, "signs", Written::Bare, all);
     }
 
     /// One form of the division; `D` without early-out, and `E` with it.
@@ -124,15 +130,5 @@ impl<'a, F: ByHand<ROWS>, const ROWS: usize> Scene<'a, F, ROWS> {
         push("closest", |i, rays, blocks| {
             loops::run::<F, T, I, _, ROWS>(i, loops::Closest::new, rays, blocks)
         });
-    }
-}
-
-impl<'a> Contender<'a> {
-    pub(crate) fn new(
-        comparison: Comparison,
-        written: Written,
-        run: impl Fn() -> Tally + 'a,
-    ) -> Self {
-        Self { comparison, written, run: Box::new(run), least: f64::INFINITY }
     }
 }

@@ -156,9 +156,9 @@ impl<const CONTRACT: bool> Form for DividesLast<CONTRACT> {
 /// Havel's tests by sign bits (2008, section 4.2.4): `beta`, `gamma`, what they leave of `det`, and the
 /// distances from both ends of the interval, all times `det`, have one sign. With `CONTRACT` also sees to it
 /// that `det` is neither NaN nor subnormal.
-pub(crate) struct BySigns<const CONTRACT: bool>;
+pub(crate) struct SameSigns<const CONTRACT: bool>;
 
-impl<const CONTRACT: bool> Form for BySigns<CONTRACT> {
+impl<const CONTRACT: bool> Form for SameSigns<CONTRACT> {
     const DIVIDED: bool = false;
     #[inline(always)]
     fn test<F: ByHand<ROWS>, I: Isa, const ROWS: usize>(

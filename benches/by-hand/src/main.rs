@@ -1,7 +1,7 @@
 //! Loops of hand-written intrinsics against the project's kernels of the same formula: called directly, and,
 //! with the feature `catalogue`, as the catalogue has them. All take turns in one process, in an order drawn by
 //! lot, and the fastest sample of each counts: it is the one that a machine's other work disturbs least.
-#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "there is nothing to compare"))]
+#![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "there is nothing by hand"))]
 
 #[cfg(all(feature = "catalogue", target_arch = "x86_64"))]
 mod catalogue;
@@ -9,10 +9,10 @@ mod catalogue;
 mod contenders;
 #[cfg(target_arch = "x86_64")]
 mod isa;
-#[cfg(target_arch = "x86_64")]
 mod kernels;
 #[cfg(target_arch = "x86_64")]
 mod loops;
+mod scalars;
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -34,7 +34,8 @@ const SIDE: usize = 512;
 /// How often every ray meets every triangle in a sample.
 const REPEATS: u32 = 8;
 
-/// Holds the kernels of four methods against loops of hand-written intrinsics.
+/// Holds the kernels of four methods against loops of hand-written intrinsics, and times the forms of one scalar
+/// test of seven.
 #[derive(Parser)]
 struct Arguments {
     /// Print JSON.
@@ -102,7 +103,7 @@ struct Contender<'a> {
 struct Row {
     #[serde(flatten)]
     comparison: Comparison,
-    by_hand: f64,
+    by_hand: Option<f64>,
     bare: Option<f64>,
     directly: Option<f64>,
     catalogue: Option<f64>,
@@ -111,10 +112,10 @@ struct Row {
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
     let workload = random(SEED, SIDE, SIDE);
+    let mut all = Vec::new();
     #[cfg(target_arch = "x86_64")]
-    let mut all = contenders::all(&workload)?;
-    #[cfg(not(target_arch = "x86_64"))]
-    let mut all: Vec<Contender<'_>> = Vec::new();
+    contenders::all(&workload, &mut all)?;
+    scalars::all(&workload, &mut all)?;
     all.retain(|contender| contender.comparison.to_string().contains(&arguments.only));
     ensure!(
         !all.is_empty(),
@@ -166,24 +167,28 @@ fn agree(all: &[Contender<'_>]) -> Result<()> {
 }
 
 fn rows(all: &[Contender<'_>]) -> Vec<Row> {
-    let by_hand = all.iter().filter(|contender| contender.written == Written::ByHand);
-    by_hand
-        .map(|contender| {
-            let least = |written| {
-                let same = |other: &&Contender<'_>| {
-                    other.comparison == contender.comparison && other.written == written
-                };
-                all.iter().find(same).map(|other| other.least)
+    let mut comparisons: Vec<&Comparison> = Vec::new();
+    for Contender { comparison, .. } in all {
+        if !comparisons.contains(&comparison) {
+            comparisons.push(comparison);
+        }
+    }
+    let row = |comparison: &Comparison| {
+        let least = |written| {
+            let same = |other: &&Contender<'_>| {
+                other.comparison == *comparison && other.written == written
             };
-            Row {
-                comparison: contender.comparison.clone(),
-                by_hand: contender.least,
-                bare: least(Written::Bare),
-                directly: least(Written::Directly),
-                catalogue: least(Written::Catalogue),
-            }
-        })
-        .collect()
+            all.iter().find(same).map(|other| other.least)
+        };
+        Row {
+            comparison: comparison.clone(),
+            by_hand: least(Written::ByHand),
+            bare: least(Written::Bare),
+            directly: least(Written::Directly),
+            catalogue: least(Written::Catalogue),
+        }
+    };
+    comparisons.into_iter().map(row).collect()
 }
 
 fn print(rows: &[Row], rounds: u16) {
@@ -195,16 +200,23 @@ fn print(rows: &[Row], rounds: u16) {
     for row in rows {
         let plain = |ns: Option<f64>| ns.map_or(String::new(), |ns| format!("{ns:.3}"));
         let over = |ns: Option<f64>| {
-            ns.map_or(String::new(), |ns| format!("{ns:.3} ({:.2})", ns / row.by_hand))
+            let Some(ns) = ns else { return String::new() };
+            row.by_hand.map_or(format!("{ns:.3}"), |hand| format!("{ns:.3} ({:.2})", ns / hand))
         };
         println!(
             "{:52} {:>7} {:>7}  {:14}  {:14}",
             row.comparison.to_string(),
-            plain(Some(row.by_hand)),
+            plain(row.by_hand),
             plain(row.bare),
             over(row.directly),
             over(row.catalogue)
         );
+    }
+}
+
+impl<'a> Contender<'a> {
+    fn new(comparison: Comparison, written: Written, run: impl Fn() -> Tally + 'a) -> Self {
+        Self { comparison, written, run: Box::new(run), least: f64::INFINITY }
     }
 }
 

@@ -76,6 +76,16 @@ pub trait Lanes: Number {
     /// `s.xor_sign(s)`.
     #[must_use]
     fn xor_sign(self, s: Self) -> Self;
+    /// The magnitude of `self`, negative where the sign bits of `all` are not the same.
+    #[inline(always)]
+    #[must_use]
+    fn negative_unless_alike<const K: usize>(self, all: [Self; K]) -> Self {
+        let (size, zero) = (self.magnitude(), self.constant(Self::Elem::from_f64(0.0)));
+        let one = self.constant(Self::Elem::from_f64(1.0));
+        all.into_iter().fold(size, |signed, x| {
+            Self::select(one.xor_sign(all[0]).xor_sign(x).lt(zero), -size, signed)
+        })
+    }
     /// Where `self` is zero, of either sign.
     #[inline(always)]
     fn is_zero(self) -> Self::Mask {
@@ -282,6 +292,14 @@ macro_rules! scalar {
             #[inline(always)]
             fn xor_sign(self, s: Self) -> Self {
                 Self::from_bits(self.to_bits() ^ (s.to_bits() & <Self as Float>::SIGN))
+            }
+            #[inline(always)]
+            fn negative_unless_alike<const K: usize>(self, all: [Self; K]) -> Self {
+                let mut differ = 0;
+                for x in all {
+                    differ |= x.to_bits() ^ all[0].to_bits();
+                }
+                self.abs().xor_sign(Self::from_bits(differ))
             }
         });
 

@@ -9,7 +9,7 @@ use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
 use crate::instruction_set::Token;
-use crate::lanes::{Float, Lanes};
+use crate::lanes::{Float, Lanes, Scalar as _};
 use crate::number::Number;
 
 /// How `a · b + c` rounds.
@@ -164,6 +164,17 @@ where
         // Not by `to_bits` and `from_bits`, which may stay calls.
         let (bits, signs): (V::Bits, V::Bits) = (self.lanes.bitcast(), s.lanes.bitcast());
         Self::new((bits ^ (signs & <V::Element as Float>::SIGN)).bitcast())
+    }
+    #[inline(always)]
+    fn negative_unless_alike<const K: usize>(self, all: [Self; K]) -> Self {
+        let first: V::Bits = all[0].lanes.bitcast();
+        // Nothing yet.
+        let mut differ: V::Bits = self.constant(V::Element::from_f64(0.0)).lanes.bitcast();
+        for x in all {
+            let x: V::Bits = x.lanes.bitcast();
+            differ |= first ^ x;
+        }
+        self.magnitude().xor_sign(Self::new(differ.bitcast()))
     }
     // The instruction of x86 gives the second operand where either is NaN; that of other processors
     // does not.

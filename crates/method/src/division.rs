@@ -31,7 +31,7 @@ impl<L: Lanes> Interval<L> {
 
     /// The closed interval, its ends brought within half the largest finite number, so that no
     /// hit can carry an infinite `t` however its quotient rounds.
-    #[allow(clippy::eq_op, reason = "zero, or NaN")]
+    #[allow(clippy::eq_op, reason = "x − x is NaN where x is NaN, and zero elsewhere")]
     #[inline(always)]
     pub fn new(tmin: L, tmax: L) -> Self {
         let end = tmax.constant(L::Elem::largest_t());
@@ -189,9 +189,16 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Early<R, EARLY_OUT> {
 /// `x' = x · sign(det)`: `beta' ≥ 0`, `gamma' ≥ 0`, `beta' + gamma' ≤ |det|`,
 /// `tmin·|det| − t' ≤ 0`, `tmax·|det| − t' ≥ 0` (Havel 2008, section 4.2.4), and `|det|` neither
 /// subnormal nor overflowed, so that the reciprocal is finite and not zero.
-pub struct Deferred<R, const EARLY_OUT: bool>(core::marker::PhantomData<R>);
+///
+/// One number at a time, `beta` and `gamma` are tested before `t`, and after it with `T_FIRST`, by which Havel
+/// explains which methods are fast (section 5.1.1). Lanes leave at one place. Decisions are the same.
+pub struct Deferred<R, const EARLY_OUT: bool, const T_FIRST: bool = false>(
+    core::marker::PhantomData<R>,
+);
 
-impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
+impl<R: Reciprocal, const EARLY_OUT: bool, const T_FIRST: bool> Division
+    for Deferred<R, EARLY_OUT, T_FIRST>
+{
     const FORM: Form = Form::Deferred;
     const RECIPROCAL: ReciprocalKind = R::KIND;
     const EARLY_OUT: bool = EARLY_OUT;
@@ -211,16 +218,19 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
     ) {
         let h = M::intersect(ray, triangle);
         let front = h.positive();
-        let mut mask = front.inside();
         // One number at a time, each test spares the next. Lanes have a single branch, as in the early form, and
         // behind it what is nearly always so.
-        if L::N == 1 {
-            mask = mask & front.has_reciprocal();
+        let mut mask = if L::N > 1 {
+            front.inside() & front.in_time(interval)
+        } else {
+            let first = if T_FIRST { front.in_time(interval) } else { front.inside() };
+            let mask = first & front.has_reciprocal();
             if Self::stops::<L>(mask) {
                 return;
             }
-        }
-        mask = seen::<M, L>(mask & front.in_time(interval), ray, triangle, h.det, culling);
+            mask & if T_FIRST { front.inside() } else { front.in_time(interval) }
+        };
+        mask = seen::<M, L>(mask, ray, triangle, h.det, culling);
         if Self::stops::<L>(mask) {
             return;
         }
@@ -231,6 +241,55 @@ impl<R: Reciprocal, const EARLY_OUT: bool> Division for Deferred<R, EARLY_OUT> {
             }
         }
         found(mask, front.hit(R::reciprocal(front.det)));
+    }
+}
+
+/// As [`Deferred`], by sign bits (Havel 2008, section 4.2.4): `t − tmin·det`, `tmax·det − t`, `beta`, `gamma` and
+/// what these leave of `det`, all of them numerators, have one sign. Nothing is flipped, and one comparison is left,
+/// for `det`. `t` comes first.
+///
+/// Decides as [`Deferred`] does where none of the five is zero or NaN, and no difference underflows. What it
+/// promises of the others is its own: a zero counts as its sign bit has it, so that a point on an edge, or at an end of
+/// the interval, may hit where `det` is positive and miss where it is negative; so does a NaN of a numerator
+/// that overflowed, whose values are then NaN. A triangle of NaN, which fills up blocks, misses.
+pub struct BySigns<R, const EARLY_OUT: bool>(core::marker::PhantomData<R>);
+
+impl<R: Reciprocal, const EARLY_OUT: bool> Division for BySigns<R, EARLY_OUT> {
+    const FORM: Form = Form::Deferred;
+    const RECIPROCAL: ReciprocalKind = R::KIND;
+    const EARLY_OUT: bool = EARLY_OUT;
+
+    #[inline(always)]
+    fn reciprocal<L: Lanes>(x: L) -> L {
+        R::reciprocal(x)
+    }
+
+    #[inline(always)]
+    fn test<M: Method, L: Lanes>(
+        ray: &M::PreparedRay<L>,
+        triangle: &Of<M::Prepared, L>,
+        interval: Interval<L>,
+        culling: Culling,
+        found: impl FnOnce(L::Mask, Hit<L>),
+    ) {
+        let h = M::intersect(ray, triangle);
+        // An end that is NaN, as that of a ray that is not finite, would count by its sign.
+        let one = h.det.constant(L::Elem::from_f64(1.0));
+        let some = interval.tmin.le(interval.tmax);
+        let after = L::select(some, -interval.tmin, -one).mul_add(h.det, h.t);
+        let before = L::select(some, interval.tmax, -one).mul_sub(h.det, h.t);
+        let alike = |signed: L| signed.is_within(L::Elem::smallest_det(), L::Elem::largest_t());
+        if L::N == 1 && Self::stops::<L>(alike(h.det.negative_unless_alike([after, before]))) {
+            return;
+        }
+        let alpha = h.alpha.weight(h.beta, h.gamma, h.det);
+        let all = [h.beta, h.gamma, alpha, after, before];
+        let mask = alike(h.det.negative_unless_alike(all));
+        let mask = seen::<M, L>(mask, ray, triangle, h.det, culling);
+        if Self::stops::<L>(mask) {
+            return;
+        }
+        found(mask, h.hit(R::reciprocal(h.det)));
     }
 }
 

@@ -15,8 +15,8 @@ mod weights;
 
 pub use corners::Corners;
 pub use division::{
-    Culling, DecisionOnly, Deferred, Division, Early, Interval, Newton, Reciprocal, TrueDivision,
-    seen,
+    BySigns, Culling, DecisionOnly, Deferred, Division, Early, Interval, Newton, Reciprocal,
+    TrueDivision, seen,
 };
 pub use form::{Form, ReciprocalKind};
 pub use frame::{Anchor, Constants, Corner, Frame, Function, Start, Vertex, World};

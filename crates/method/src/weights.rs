@@ -10,6 +10,8 @@ pub trait Alpha<L: Lanes>: Copy {
     /// `alpha` with its sign flipped where `s` is negative.
     #[must_use]
     fn xor_sign(self, s: L) -> Self;
+    /// The weight itself, `whole` being the sum of all.
+    fn weight(self, beta: L, gamma: L, whole: L) -> L;
     /// Where all weights are at least zero, `whole` being their sum.
     fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask;
 }
@@ -26,6 +28,10 @@ impl<L: Lanes> Alpha<L> for Implied {
     #[inline(always)]
     fn xor_sign(self, _s: L) -> Self {
         self
+    }
+    #[inline(always)]
+    fn weight(self, beta: L, gamma: L, whole: L) -> L {
+        whole - beta - gamma
     }
     #[inline(always)]
     fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask {
@@ -48,6 +54,10 @@ impl<L: Lanes> Alpha<L> for Given<L> {
     #[inline(always)]
     fn xor_sign(self, s: L) -> Self {
         Self(self.0.xor_sign(s))
+    }
+    #[inline(always)]
+    fn weight(self, _beta: L, _gamma: L, _whole: L) -> L {
+        self.0
     }
     #[inline(always)]
     fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask {

@@ -45,6 +45,10 @@ impl<L: Lanes> Alpha<L> for Tolerant<L> {
         Self(self.0.xor_sign(s))
     }
     #[inline(always)]
+    fn weight(self, _beta: L, _gamma: L, _whole: L) -> L {
+        self.0
+    }
+    #[inline(always)]
     fn inside(self, beta: L, gamma: L, whole: L) -> L::Mask {
         let ulp = L::Elem::unit_roundoff() + L::Elem::unit_roundoff();
         let least = -(whole * whole.constant(ulp));

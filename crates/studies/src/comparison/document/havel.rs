@@ -223,14 +223,15 @@ impl Record<'_> {
                  planes six.",
                 format!(
                     "**Not settled.** With exits disabled the order of tests is no matter; deferred over early: \
-                     scalar {scalar}; {} lanes {wide}. The loops of both forms are not held to loops written by \
-                     hand yet, so that nothing is concluded.",
+                     scalar {scalar}; {} lanes {wide}. These records are older than the loops that are held to \
+                     loops written by hand, so that nothing is concluded.",
                     self.width,
                 ),
             ),
             unmeasured(
                 "4.2.4: tests by sign bits, without turning numerators.",
-                "Numbers are compared here, so that −0 counts as zero.",
+                "It is a division of its own, which no record has yet; the kernels of the record compare numbers, \
+                 so that −0 counts as zero.",
             ),
             unmeasured(
                 "4.2.1: a reciprocal estimate with one Newton step; 4.2.3: arrays of structures, structures of \

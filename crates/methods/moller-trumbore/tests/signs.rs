@@ -1,0 +1,63 @@
+//! Tests by sign bits decide as comparisons do, but where a numerator is zero.
+
+use trisect_core::{Hit, Ray, Triangle, Vec3};
+use trisect_kernels::intersect_with;
+use trisect_method::{BySigns, Culling, Deferred, Division, TrueDivision};
+use trisect_moller_trumbore::MollerTrumbore;
+
+type Signs = BySigns<TrueDivision, true>;
+type Compared = Deferred<TrueDivision, true>;
+type TFirst = Deferred<TrueDivision, true, true>;
+
+fn triangle() -> Triangle<f32> {
+    Triangle::new(Vec3::new(0.0, 0.0, 0.0), Vec3::new(4.0, 0.0, 0.0), Vec3::new(0.0, 4.0, 0.0))
+}
+
+/// Along the third axis through a point, from one side or the other.
+fn through(x: f32, y: f32, side: f32) -> Ray<f32> {
+    Ray { o: Vec3::new(x, y, side), d: Vec3::new(0.0, 0.0, -side), tmin: 0.0, tmax: 10.0 }
+}
+
+fn hit<D: Division>(ray: &Ray<f32>, triangle: &Triangle<f32>) -> Option<Hit<f32>> {
+    intersect_with::<MollerTrumbore, D, f32>(ray, triangle, Culling::None)
+}
+
+fn numbers(hit: Option<Hit<f32>>) -> Option<[f32; 3]> {
+    hit.map(|Hit { t, beta, gamma }| [t, beta, gamma])
+}
+
+#[test]
+fn points_off_the_edges_are_decided_alike() {
+    let mut hits = 0;
+    // No half of a whole number and a quarter lies on an edge.
+    for (x, y) in (-4..12).flat_map(|x| (-4..12).map(move |y| (x, y))) {
+        for side in [-1.0, 1.0] {
+            let at = |i: i16| f32::from(i) / 2.0 + 0.125;
+            let ray = through(at(x), at(y), side);
+            let compared = hit::<Compared>(&ray, &triangle());
+            hits += i32::from(compared.is_some());
+            assert_eq!(numbers(hit::<Signs>(&ray, &triangle())), numbers(compared), "{ray:?}");
+            assert_eq!(numbers(hit::<TFirst>(&ray, &triangle())), numbers(compared), "{ray:?}");
+        }
+    }
+    assert!(hits > 50, "{hits} hits");
+}
+
+#[test]
+fn an_edge_is_hit_from_one_side_alone() {
+    // gamma is zero; what beta and gamma leave is not.
+    let sides = [1.0, -1.0].map(|side| through(1.0, 0.0, side));
+    let [compared, signs] = [hit::<Compared>, hit::<Signs>]
+        .map(|hit| sides.iter().filter(|ray| hit(ray, &triangle()).is_some()).count());
+    assert_eq!((compared, signs), (2, 1));
+}
+
+#[test]
+fn nothing_is_hit_where_there_is_nothing() {
+    let ray = through(1.0, 1.0, 1.0);
+    assert!(hit::<Signs>(&ray, &triangle()).is_some());
+    assert!(hit::<Signs>(&ray, &Triangle::nothing()).is_none());
+    for (tmin, tmax) in [(2.0, 0.5), (f32::NAN, 10.0), (0.0, f32::NAN), (1.5, 9.0), (0.0, 0.5)] {
+        assert!(hit::<Signs>(&Ray { tmin, tmax, ..ray }, &triangle()).is_none(), "{tmin} {tmax}");
+    }
+}
