@@ -5,7 +5,7 @@
 //! variants apart that differ by a tenth. A word after `--` selects by name and
 //! `--measurement-time` gives what is selected more time:
 //! `cargo bench -- 'random/wald/f32x8' --measurement-time 2`. For ratios that must be trusted to a
-//! hundredth take the `yardstick` program, which interleaves what it compares.
+//! hundredth take the records of `trisect measure`, which interleaves what it compares.
 #![allow(missing_docs, reason = "criterion's macros make public items without")]
 
 use std::cell::OnceCell;

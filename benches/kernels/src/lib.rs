@@ -1,4 +1,4 @@
-//! What the benches and the yardstick share: the workloads, and the kernels by name.
+//! What the benches share: the workloads, and the kernels by name.
 #![forbid(unsafe_code)]
 
 use trisect_catalog::{Kernel, Variant};
