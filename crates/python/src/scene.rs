@@ -293,7 +293,7 @@ impl<X: Number> Built<X> {
     /// Fits the tree to vertices that have moved; whether it could.
     fn fit(&mut self, vertices: &[[X; 3]]) -> Result<bool, UpdateError> {
         match self.scene.update(vertices) {
-            Ok(()) => {
+            Ok(_) => {
                 self.vertices.copy_from_slice(vertices);
                 Ok(true)
             }

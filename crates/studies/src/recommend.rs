@@ -142,21 +142,20 @@ fn rust(answers: &Answers) -> String {
     let method = right.map_or("exact", |answer| &answer.method);
     let own = ["exact()", "fast()", "watertight()"];
     let own = trisect::trees::NAMES.into_iter().zip(own).find(|(name, _)| *name == method);
-    let option = own.map_or_else(
-        || {
-            let name = find(method).map_or("", |entry| &entry.type_name);
-            format!("with_method::<{name}>()")
-        },
-        |(_, option)| option.to_owned(),
-    );
+    // Names of types are long, and lines are not.
+    let (named, option, more) = if let Some((_, option)) = own {
+        (String::new(), option, "// Scene::first_of and any_of take many rays.\n")
+    } else {
+        let name = find(method).map_or("", |entry| &entry.type_name);
+        (format!("type Method = {name};\n"), "with_method::<Method>()", "")
+    };
     format!(
         "use trisect::{{Ray, Scene}};
-let scene = Scene::options().{option}.open(path)?;
+{named}let scene = Scene::options().{option}.open(path)?;
 let ray = Ray::new([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);
-let hit = scene.first(&ray); // none, or its triangle, t, alpha, beta and gamma
+let hit = scene.first(&ray); // none, or its triangle, t and weights
 let is_hit = scene.any(&ray);
-// Scene::first_of and any_of take many rays.
-"
+{more}"
     )
 }
 

@@ -31,7 +31,7 @@ pub struct FrontPoint {
     pub variant: Variant,
     /// Nanoseconds per test: geometric mean over the workloads that all variants ran.
     pub ns_per_test: f64,
-    /// Error of t against the oracle, as the [`ErrorMeasure`] says.
+    /// Error of t against the oracle, as `error_measure` says.
     pub error: f64,
 }
 
