@@ -4,7 +4,7 @@ use trisect_catalog::find;
 use trisect_studies::record::{Line, Records};
 use trisect_studies::tracer::{Contest, Traced, Tracer, TreeBuilt};
 use trisect_studies::{Silent, Study as _};
-use trisect_workloads::Mesh;
+use trisect_workloads::bunny;
 
 const METHODS: [&str; 2] = ["moller-trumbore", "watertight"];
 
@@ -12,7 +12,7 @@ fn of_threads(threads: usize) -> Records {
     let study = Tracer {
         seed: 1,
         methods: METHODS.map(|name| find(name).expect("it is in the catalogue")).into(),
-        scenes: vec![Mesh::bunny()],
+        scenes: vec![bunny()],
         pixels: 24,
         rounds: 2,
         threads,

@@ -149,7 +149,7 @@ fn check<E: Precision>(
 
 #[test]
 fn closest_hits_on_the_bunny_are_the_oracles() {
-    let bunny = Mesh::bunny();
+    let bunny = trisect_workloads::bunny();
     let rays = bunny_rays(&bunny);
     let rays64: Vec<Ray<f64>> = rays.iter().map(|&ray| ray.into()).collect();
     let triangles64: Vec<Triangle<f64>> = bunny.triangles.iter().map(|&t| t.into()).collect();

@@ -217,7 +217,7 @@ fn of_mesh(mesh: &Mesh) -> Result<[Workload<'_>; 2]> {
 fn main() -> Result<()> {
     let Arguments { mesh, rounds, json } = Arguments::parse();
     let meshes: Vec<Mesh> = if mesh.is_empty() {
-        vec![Mesh::bunny()]
+        vec![trisect_workloads::bunny()]
     } else {
         let load = |path: &PathBuf| {
             Mesh::load(path).with_context(|| format!("cannot read {}", path.display()))

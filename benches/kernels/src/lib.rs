@@ -3,7 +3,7 @@
 
 use trisect_catalog::{Kernel, Variant};
 use trisect_method::ReciprocalKind;
-use trisect_workloads::{Mesh, Workload, primary, random};
+use trisect_workloads::{Workload, bunny, primary, random};
 
 /// The seed of everything random here.
 pub const SEED: u64 = 1;
@@ -16,7 +16,7 @@ const PICTURE: usize = 4;
 
 /// What is timed on: random rays and triangles, and a mesh beyond the first caches.
 pub fn workloads() -> [Workload; 2] {
-    [random(SEED, RANDOM, RANDOM), primary(&Mesh::bunny(), PICTURE, PICTURE)]
+    [random(SEED, RANDOM, RANDOM), primary(&bunny(), PICTURE, PICTURE)]
 }
 
 /// A kernel's name, without its method: `f32x8 avx2 fused one-ray deferred early-out barycentrics`.

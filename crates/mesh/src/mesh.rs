@@ -227,16 +227,6 @@ impl Mesh {
         let most = self.triangles.iter().zip(&**finer).map(|(near, of)| corners(near, of));
         most.fold(0.0, f64::max) / f64::from(self.bounds.diagonal())
     }
-
-    /// The Stanford bunny that is compiled into the program: 69,451 triangles. Stanford Computer
-    /// Graphics Laboratory; `data/README.md` has its licence.
-    ///
-    /// # Panics
-    /// Never: a test loads it.
-    pub fn bunny() -> Self {
-        Self::from_bytes("bunny", MeshFormat::Ply, include_bytes!("../../../data/meshes/bunny.ply"))
-            .expect("the mesh compiled into the program is sound")
-    }
 }
 
 fn parse(

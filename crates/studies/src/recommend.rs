@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn a_sample_holds_what_the_rays_hit() {
-        let mesh = Mesh::bunny();
+        let mesh = trisect_workloads::bunny();
         let rays = trisect_workloads::primary(&mesh, 8, 8).rays;
         let chosen = sample(&mesh.triangles, &rays);
         assert_eq!(chosen.len(), TRIANGLES);

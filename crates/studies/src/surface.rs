@@ -74,7 +74,7 @@ pub(crate) fn at_edges(
 
 #[cfg(test)]
 mod tests {
-    use trisect_workloads::{Mesh, Placement, Surface};
+    use trisect_workloads::{Placement, Surface, bunny};
 
     use super::*;
 
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn the_bunny_has_holes_below() {
-        let edges = open_edges(&Mesh::bunny().triangles);
+        let edges = open_edges(&bunny().triangles);
         assert!(edges > 0 && edges < 1000, "{edges}");
     }
 }

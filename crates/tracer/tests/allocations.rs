@@ -34,7 +34,7 @@ fn check<M: Method>(mesh: &Mesh, rays: &[Ray<f32>]) {
 
 #[test]
 fn a_query_of_one_ray_allocates_nothing() {
-    let bunny = Mesh::bunny();
+    let bunny = trisect_workloads::bunny();
     let mut rays = random_through_box(1, &bunny, 300).rays;
     let corner = bunny.triangles[0].a;
     rays.push(Ray::<f32>::new(corner, Vec3::new(0.0, 0.0, 1.0)));

@@ -12,7 +12,7 @@ use trisect_tracer::{
 };
 use trisect_wald::Wald;
 use trisect_watertight::Watertight;
-use trisect_workloads::{Aim, Mesh, Placement, Stress, Surface};
+use trisect_workloads::{Aim, Placement, Stress, Surface, bunny};
 
 fn tree<M: Method>(triangles: &[Triangle<f32>]) -> Bvh<M> {
     tree_by(Builder::default(), triangles)
@@ -24,7 +24,7 @@ fn agrees<M: Method>(name: &str, triangles: &[Triangle<f32>], rays: &[Ray<f32>])
 
 #[test]
 fn plain_tracing_finds_what_testing_every_triangle_finds() {
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let rays = rays_of(&bunny);
     agrees::<MollerTrumbore>("bunny", &bunny.triangles, &rays);
     agrees::<Wald>("bunny", &bunny.triangles, &rays);
@@ -71,7 +71,7 @@ fn behind_a_call_one_at_a_time_and_without_a_tree_the_answers_are_the_same() {
 fn any_hit_is_decided_by_numerators_alike() {
     type Order1 = PublishedOrder<1>;
     assert!(!<Order1 as Method>::INFO.forms.deferred(), "another method is to be tested");
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let tree = tree::<Order1>(&bunny.triangles);
     let rays = rays_of(&bunny);
     let mut closest = vec![None; rays.len()];
@@ -155,7 +155,7 @@ fn closed_surfaces_stay_closed_for_a_watertight_method() {
 /// Fast tracing rounds otherwise, and may decide otherwise at an edge: nearly all rays find the same.
 #[test]
 fn fast_tracing_finds_nearly_always_the_same() {
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let rays = trisect_workloads::random_through_box(5, &bunny, 20_000).rays;
     let tree = tree::<MollerTrumbore>(&bunny.triangles);
     let mut hits = Vec::new();
@@ -254,7 +254,7 @@ fn rays_of_all_kinds_are_survived() {
 
 #[test]
 fn the_tree_does_not_depend_on_the_number_of_threads() {
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let rays = trisect_workloads::random_through_box(2, &bunny, 3000).rays;
     let of_threads = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");

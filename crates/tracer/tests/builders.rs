@@ -80,7 +80,7 @@ fn moved(triangles: &[Triangle<f32>], far: f32) -> Vec<Triangle<f32>> {
 
 #[test]
 fn every_builder_finds_what_testing_every_triangle_finds() {
-    let bunny = Mesh::bunny();
+    let bunny = trisect_workloads::bunny();
     agree("bunny", &bunny.triangles, &rays_of(&bunny));
     let beams = beams(3000);
     let facts = statistics(Builder::Spatial, &beams.triangles);
@@ -170,7 +170,7 @@ fn trees_are_bounded_whatever_the_mesh() {
 
 #[test]
 fn splitting_space_pays_and_stays_within_its_room() {
-    let scenes = [Mesh::bunny(), hall(), beams(20_000)];
+    let scenes = [trisect_workloads::bunny(), hall(), beams(20_000)];
     for scene in &scenes {
         let cost = |builder| statistics(builder, &scene.triangles).cost;
         let [linear, binned, spatial] = Builder::ALL.map(cost);
@@ -207,7 +207,7 @@ fn a_refitted_tree_answers_as_a_new_one() {
         }
         answers("moved back", &trees, &scene.triangles, &rays_of(scene));
     }
-    for scene in [Mesh::bunny(), beams(1500)] {
+    for scene in [trisect_workloads::bunny(), beams(1500)] {
         check::<MollerTrumbore>(&scene);
         check::<Wald>(&scene);
         check::<Watertight>(&scene);

@@ -33,7 +33,7 @@ fn counting_changes_no_answer_and_a_tree_saves_tests() {
             assert!(tests > rays.len() && tests * 100 < every, "{builder}: {tests} of {every}");
         }
     }
-    let bunny = Mesh::bunny();
+    let bunny = trisect_workloads::bunny();
     check::<MollerTrumbore>(&bunny);
     check::<Wald>(&bunny);
     check::<Watertight>(&bunny);
@@ -140,7 +140,7 @@ fn counting_decides_as_tracing_does_whatever_the_numbers() {
 /// With the exact oracle in the leaves, the tree gives the truth of testing every triangle.
 #[test]
 fn no_true_hit_is_left_out_of_the_candidates() {
-    let bunny = Mesh::bunny();
+    let bunny = trisect_workloads::bunny();
     let tree = tree_by::<MollerTrumbore>(Builder::Spatial, &bunny.triangles);
     let every = EveryTriangle::<MollerTrumbore>::new(&bunny.triangles).expect("it takes all");
     let mut oracle = Oracle::default();

@@ -9,7 +9,7 @@ use trisect_exact::{Exact, ExactInTrees};
 use trisect_method::Culling;
 use trisect_oracle::Oracle;
 use trisect_tracer::{Builder, EveryTriangle, ScalarBvh, Tracing, Tree, TriangleHit};
-use trisect_workloads::{Aim, Mesh, Placement, Stream, Surface, diffuse_bounce, primary};
+use trisect_workloads::{Aim, Placement, Stream, Surface, bunny, diffuse_bounce, primary};
 
 /// A triangle's number, `t`, `beta` and `gamma`, as bits.
 type Answer = (u32, [u32; 3]);
@@ -71,7 +71,7 @@ fn is_true(what: &str, triangles: &[Triangle<f32>], rays: &[Ray<f32>]) -> usize 
 
 #[test]
 fn camera_and_diffuse_rays_find_the_first_triangle_of_the_bunny() {
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let tree = tree_by::<Exact>(Builder::Spatial, &bunny.triangles);
     let camera = primary(&bunny, 24, 24).rays;
     let mut closest = |ray: &Ray<f32>| {

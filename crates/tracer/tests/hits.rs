@@ -16,7 +16,7 @@ use trisect_tracer::{
 };
 use trisect_wald::Wald;
 use trisect_watertight::Watertight;
-use trisect_workloads::{Mesh, Placement, Stream, Surface};
+use trisect_workloads::{Placement, Stream, Surface, bunny};
 
 /// Triangles on a grid of numbers, so that rays meet edges and corners exactly.
 struct Scene<P> {
@@ -465,7 +465,7 @@ fn a_method_that_rounds_finds_what_it_finds_in_every_triangle() {
             assert!(check::<Wald>(&scene.triangles, &rays) > 500, "{}", scene.name);
         }
     }
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let rays: Vec<Ray<f32>> = rays_of(&bunny).into_iter().step_by(8).collect();
     assert!(check::<Watertight>(&bunny.triangles, &rays) > 100);
 }

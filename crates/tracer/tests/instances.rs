@@ -12,7 +12,7 @@ use trisect_tracer::{
     Builder, Bvh, Crossings, EveryTriangle, InstanceError, Instances, RefitError, Tracing, Tree,
     TriangleHit, Update, Verdict,
 };
-use trisect_workloads::{Mesh, Placement, Stream, Surface};
+use trisect_workloads::{Placement, Stream, Surface, bunny};
 
 type Shared = Box<dyn Tree>;
 
@@ -439,7 +439,7 @@ fn place_many(of: &Arc<Shared>, count: usize) -> Instances<Shared> {
 
 #[test]
 fn what_is_shared_counts_once() {
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let tree = Bvh::<MollerTrumbore>::build(&bunny.triangles, Builder::Binned).expect("all");
     let own = tree.statistics().bytes;
     let tree: Arc<Shared> = Arc::new(Box::new(tree));

@@ -1,7 +1,7 @@
 //! A ray that is asked about alone allocates nothing.
 
 use trisect::{Culling, Precision, Ray, Scene, Triangle, Verdict};
-use trisect_workloads::{Mesh, random_through_box};
+use trisect_workloads::{bunny, random_through_box};
 
 #[test]
 fn single_rays_allocate_nothing() {
@@ -10,7 +10,7 @@ fn single_rays_allocate_nothing() {
         println!("skipped: this processor has no fast lanes");
         return;
     }
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let rays = random_through_box(1, &bunny, 1000).rays;
     check(&bunny.triangles, &rays);
     let triangles: Vec<_> = bunny.triangles.iter().map(|&triangle| triangle.into()).collect();

@@ -6,7 +6,7 @@ use trisect::{
     Crossings, Culling, Hit, Place, Precision, Ray, Scene, SceneError, SceneOptions, Triangle,
     UpdateError, Vec3, Verdict,
 };
-use trisect_workloads::{Aim, Mesh, Placement, Stress, Surface, primary, random_through_box};
+use trisect_workloads::{Aim, Placement, Stress, Surface, bunny, primary, random_through_box};
 
 /// The same mesh by every method.
 fn scenes<P: Precision>(triangles: &[Triangle<P>]) -> [Scene<P>; 3] {
@@ -71,7 +71,7 @@ fn widened(triangles: &[Triangle], rays: &[Ray]) -> (Vec<Triangle<f64>>, Vec<Ray
 
 #[test]
 fn single_rays_and_batches_agree_on_meshes() {
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let mut rays = primary(&bunny, 24, 24).rays;
     rays.extend(random_through_box(1, &bunny, 500).rays);
     agree(&bunny.triangles, &rays);
@@ -127,7 +127,7 @@ fn single_rays_and_batches_agree_on_rays_of_all_kinds() {
 
 #[test]
 fn many_threads_ask_one_scene() {
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let rays = random_through_box(3, &bunny, 2000).rays;
     for scene in scenes(&bunny.triangles) {
         let alone: Vec<_> = rays.iter().map(|ray| bits(scene.first(ray))).collect();
@@ -144,7 +144,7 @@ fn many_threads_ask_one_scene() {
 
 #[test]
 fn hits_say_where_they_are() {
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let scene = Scene::from_triangles(&bunny.triangles).expect("it takes all");
     let mut hits = 0;
     for ray in random_through_box(2, &bunny, 500).rays {
@@ -226,7 +226,7 @@ fn a_scene_that_moves_answers_as_a_new_one() {
 
 #[test]
 fn queries_agree_on_what_is_hit() {
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let rays = random_through_box(4, &bunny, 500).rays;
     queries_agree(&bunny.triangles, &rays);
     let (triangles, rays) = widened(&bunny.triangles, &rays);

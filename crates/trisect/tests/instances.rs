@@ -6,7 +6,7 @@ use trisect::{
     Culling, Hit, InstanceError, Place, Ray, Scene, Transform, Triangle, Update, UpdateError, Vec3,
     Verdict,
 };
-use trisect_workloads::{Mesh, Placement, Surface, random_through_box};
+use trisect_workloads::{Placement, Surface, bunny, random_through_box};
 
 const HERE: Transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
@@ -129,7 +129,7 @@ fn single_rays_allocate_nothing() {
         println!("skipped: this processor has no fast lanes");
         return;
     }
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let rays = random_through_box(1, &bunny, 300).rays;
     for options in [Scene::options(), Scene::options().fast()] {
         let mesh = Arc::new(options.from_triangles(&bunny.triangles).expect("it takes all"));
@@ -205,7 +205,7 @@ fn twisted(triangles: &[Triangle], by: f32) -> Vec<[f32; 3]> {
 
 #[test]
 fn a_mesh_that_moves_is_fitted_until_that_is_worn() {
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let triangles = &bunny.triangles;
     let still: Vec<[f32; 3]> =
         triangles.iter().flat_map(|t| t.corners()).map(Vec3::to_array).collect();

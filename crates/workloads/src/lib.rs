@@ -4,6 +4,7 @@
 pub mod points;
 pub mod rays;
 
+mod bunny;
 mod classes;
 mod generate;
 mod hall;
@@ -11,6 +12,7 @@ mod stream;
 mod stress;
 mod surface;
 
+pub use bunny::bunny;
 pub use classes::RayClass;
 pub use generate::{
     Closest, Light, OFFSET, Share, Workload, diffuse_bounce, edge_aimed, hit_rate, occlusion,

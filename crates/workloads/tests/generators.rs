@@ -164,7 +164,7 @@ fn meets_bounds(mesh: &Mesh, ray: &Ray<f32>) -> bool {
 
 #[test]
 fn the_camera_frames_the_bunny() {
-    let bunny = Mesh::bunny();
+    let bunny = trisect_workloads::bunny();
     let (width, height) = (80, 60);
     let rays = primary(&bunny, width, height).rays;
     let met: Vec<bool> = rays.iter().map(|ray| meets_bounds(&bunny, ray)).collect();

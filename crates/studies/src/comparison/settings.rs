@@ -40,7 +40,7 @@ impl Settings {
             rounds: self.rounds.map_or(usual, |rounds| rounds as usize),
             full: self.full,
             methods: methods(&self.subjects.methods)?,
-            meshes: self.subjects.meshes(|| vec![Mesh::bunny()], MOVE, say)?,
+            meshes: self.subjects.meshes(|| vec![trisect_workloads::bunny()], MOVE, say)?,
         })
     }
 }

@@ -102,7 +102,7 @@ impl Leaving<'_, '_> {
     /// Rays of each class through the bunny and a hall, on one thread.
     pub(super) fn tracer(&mut self) -> Result<(), StudyError> {
         let one = pool(1)?;
-        for scene in [Mesh::bunny(), hall()] {
+        for scene in [trisect_workloads::bunny(), hall()] {
             self.run.progress.phase(&format!("{}: trees", scene.name), 1);
             let trees = Trees::of(&scene);
             let (pixels, seed) = (self.study.pixels, self.study.seed);

@@ -11,7 +11,7 @@ use trisect_catalog::{Builder, Entry, Finder, Tracing, TriangleHit, Variant};
 use trisect_core::{Float, FloatFormat, Hit, Ray, Triangle, Vec3};
 use trisect_method::Culling;
 use trisect_oracle::Oracle;
-use trisect_workloads::{Aim, Feature, Mesh, Placement, Stress, Surface, diffuse_bounce, primary};
+use trisect_workloads::{Aim, Feature, Placement, Stress, Surface, bunny, diffuse_bounce, primary};
 
 use super::contract::hostile_scene;
 use super::measure::Compiled;
@@ -391,7 +391,7 @@ fn of_families<E: Compiled>(settings: &Stability, entry: &Entry) -> Vec<Line> {
 
 /// Random rays, and the bunny's: from a camera, and diffuse ones from where those hit.
 fn of_scenes(seed: u64, entry: &Entry) -> Vec<Line> {
-    let bunny = Mesh::bunny();
+    let bunny = bunny();
     let mut scenes = vec![("random", trisect_workloads::random(seed, RAYS, 2000))];
     if let Ok(tree) = entry.tree(&bunny.triangles, Builder::default()) {
         let mut closest = |ray: &Ray<f32>| {

@@ -58,7 +58,7 @@ impl Settings {
         Ok(Tracer {
             seed: self.subjects.seed,
             methods,
-            scenes: self.subjects.meshes(|| vec![Mesh::bunny(), hall()], MOVE, say)?,
+            scenes: self.subjects.meshes(|| vec![trisect_workloads::bunny(), hall()], MOVE, say)?,
             pixels: if self.quick { 160 } else { 384 },
             rounds: 5,
             threads: threads(self.threads),

@@ -163,14 +163,14 @@ fn unit(largest: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use trisect_workloads::{Mesh, Stream};
+    use trisect_workloads::{Stream, bunny};
 
     use super::*;
     use crate::bvh::node::{Child, child};
 
     /// A mesh that is worked on in several chunks, and long triangles across it that are divided.
     fn scene() -> Vec<Triangle<f32>> {
-        let bunny = Mesh::bunny();
+        let bunny = bunny();
         let mut triangles = bunny.triangles.to_vec();
         let mut stream = Stream::new("long", 1);
         let center = bunny.bounds.center();
