@@ -167,13 +167,12 @@ impl RayBatch<1> {
     #[inline(always)]
     pub(crate) fn of(ray: &Ray<f32>) -> Option<Self> {
         let Interval { tmin, tmax } = Interval::of(ray);
-        let of = |v: Vec3<f32>| v.to_array().map(|x| [x]);
         let Ray { o, d, .. } = *ray;
         let none = [[0.0]; 3];
         let of_one = Self {
             lines: [[o.x, o.y, o.z, d.x, d.y, d.z, tmin, tmax]],
-            o: of(o),
-            d: of(d),
+            o: [[o.x], [o.y], [o.z]],
+            d: [[d.x], [d.y], [d.z]],
             tmin: [tmin],
             tmax: [tmax],
             inverse: none,

@@ -64,8 +64,18 @@ pub(crate) fn moves<L: Lanes<Elem = f32>>(ray: &Ray<L>) -> L::Mask {
 #[inline(always)]
 pub(crate) fn margin<L: Lanes<Elem = f32>>(reach: f32, o: L, inverse: Vec3<L>) -> Vec3<L> {
     let by = (o + o.constant(reach)) * o.constant(MARGIN);
-    let along = |inverse: L| inverse.magnitude() * by + by.constant(UNDERFLOW);
-    Vec3::new(along(inverse.x), along(inverse.y), along(inverse.z))
+    let least = by.constant(UNDERFLOW);
+    Vec3::new(
+        inverse.x.magnitude() * by + least,
+        inverse.y.magnitude() * by + least,
+        inverse.z.magnitude() * by + least,
+    )
+}
+
+/// The products of two, axis by axis.
+#[inline(always)]
+fn by_axis<L: Lanes>(a: Vec3<L>, b: Vec3<L>) -> Vec3<L> {
+    Vec3::new(a.x * b.x, a.y * b.y, a.z * b.z)
 }
 
 impl<L: Lanes<Elem = f32>> Slabs<L> {
@@ -77,21 +87,26 @@ impl<L: Lanes<Elem = f32>> Slabs<L> {
         let fastest = largest(d);
         let flattest = if B::ROBUST { FLATTEST_ROBUST } else { FLATTEST };
         let least = fastest * o.x.constant(flattest);
-        let inverse = |d: L| one / d.magnitude().max(least).xor_sign(d);
-        let inverse = Vec3::new(inverse(d.x), inverse(d.y), inverse(d.z));
-        let start = |inverse: Vec3<L>| Vec3::new(o.x * inverse.x, o.y * inverse.y, o.z * inverse.z);
+        let inverse = Vec3::new(
+            one / d.x.magnitude().max(least).xor_sign(d.x),
+            one / d.y.magnitude().max(least).xor_sign(d.y),
+            one / d.z.magnitude().max(least).xor_sign(d.z),
+        );
         if !B::ROBUST {
-            let start = start(inverse);
+            let start = by_axis(o, inverse);
             return Self { inverse, near: start, far: start };
         }
         let from = largest(o);
         let away = from + from.constant(reach);
-        let constant = |x: f32| one.constant(x);
         let is_sure =
-            away.max(fastest).le(constant(LARGEST)) & away.le(fastest * constant(LONGEST));
-        let if_sure = |x: L| L::select(is_sure, x, constant(f32::NAN));
-        let inverse = Vec3::new(if_sure(inverse.x), if_sure(inverse.y), if_sure(inverse.z));
-        let (start, margin) = (start(inverse), margin(reach, from, inverse));
+            away.max(fastest).le(one.constant(LARGEST)) & away.le(fastest * one.constant(LONGEST));
+        let nothing = one.constant(f32::NAN);
+        let inverse = Vec3::new(
+            L::select(is_sure, inverse.x, nothing),
+            L::select(is_sure, inverse.y, nothing),
+            L::select(is_sure, inverse.z, nothing),
+        );
+        let (start, margin) = (by_axis(o, inverse), margin(reach, from, inverse));
         Self { inverse, near: start + margin, far: start - margin }
     }
 

@@ -71,8 +71,13 @@ impl<L: Lanes<Elem = f32>> Alone<L> {
         let octant = Octant::of(inverse);
         // Not where the interval begins at −0.
         let is_plain = ray.tmin.to_bits() >> 31 == 0 && !inverse.x.is_nan();
-        let [inverse, near, far] = [inverse, slabs.near, slabs.far].map(|v| splat::<L>(token, v));
-        Self { slabs: Slabs { inverse, near, far }, octant, is_plain }
+        // One by one: mapping an array may stay a call, which is compiled without the lanes' instructions.
+        let slabs = Slabs {
+            inverse: splat::<L>(token, inverse),
+            near: splat::<L>(token, slabs.near),
+            far: splat::<L>(token, slabs.far),
+        };
+        Self { slabs, octant, is_plain }
     }
 }
 
