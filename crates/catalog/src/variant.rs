@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 use serde::{Deserialize, Serialize};
 use trisect_core::{FloatFormat, InstructionSet, Lanes, MultiplyAdd, Precision, Token};
 use trisect_kernels::Arrangement;
-use trisect_method::{Division, Form, Method, Output, ReciprocalKind};
+use trisect_method::{Division, Form, Method, Output, Reciprocal, ReciprocalKind};
 
 /// A lane type, as a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -73,7 +73,7 @@ impl Variant {
             arithmetic,
             arrangement,
             division: D::FORM,
-            reciprocal: D::RECIPROCAL,
+            reciprocal: D::Reciprocal::KIND,
             early_out: D::EARLY_OUT,
             needs,
         }

@@ -118,6 +118,14 @@ impl<X: Number> Vec3<X> {
     }
 }
 
+impl<L: Lanes> Vec3<L> {
+    /// The largest magnitude of a coordinate. What it is where one is NaN is not said.
+    #[inline(always)]
+    pub fn largest_magnitude(self) -> L {
+        self.x.magnitude().max(self.y.magnitude().max(self.z.magnitude()))
+    }
+}
+
 impl<X: Scalar> Vec3<X> {
     /// The axis (0, 1 or 2) of the coordinate that is largest in magnitude; the first of equals.
     #[inline(always)]

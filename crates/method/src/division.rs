@@ -113,7 +113,7 @@ pub trait Division: 'static {
     /// When it comes.
     const FORM: Form;
     /// How `1 / x` is computed.
-    const RECIPROCAL: ReciprocalKind;
+    type Reciprocal: Reciprocal;
     /// Whether a test ends as soon as no lane can hit.
     const EARLY_OUT: bool;
     /// Whether the values of a hit are asked for; where not, `found` gets numbers that mean nothing.
@@ -122,7 +122,10 @@ pub trait Division: 'static {
     const VALUES: bool = true;
 
     /// `1 / x` as the division has it.
-    fn reciprocal<L: Lanes>(x: L) -> L;
+    #[inline(always)]
+    fn reciprocal<L: Lanes>(x: L) -> L {
+        Self::Reciprocal::reciprocal(x)
+    }
 
     /// Whether a test ends here: nothing hits, and the division leaves early.
     #[inline(always)]
@@ -147,13 +150,8 @@ pub struct Early<R, const EARLY_OUT: bool>(core::marker::PhantomData<R>);
 
 impl<R: Reciprocal, const EARLY_OUT: bool> Division for Early<R, EARLY_OUT> {
     const FORM: Form = Form::Early;
-    const RECIPROCAL: ReciprocalKind = R::KIND;
+    type Reciprocal = R;
     const EARLY_OUT: bool = EARLY_OUT;
-
-    #[inline(always)]
-    fn reciprocal<L: Lanes>(x: L) -> L {
-        R::reciprocal(x)
-    }
 
     #[inline(always)]
     fn test<M: Method, L: Lanes>(
@@ -200,13 +198,8 @@ impl<R: Reciprocal, const EARLY_OUT: bool, const T_FIRST: bool> Division
     for Deferred<R, EARLY_OUT, T_FIRST>
 {
     const FORM: Form = Form::Deferred;
-    const RECIPROCAL: ReciprocalKind = R::KIND;
+    type Reciprocal = R;
     const EARLY_OUT: bool = EARLY_OUT;
-
-    #[inline(always)]
-    fn reciprocal<L: Lanes>(x: L) -> L {
-        R::reciprocal(x)
-    }
 
     #[inline(always)]
     fn test<M: Method, L: Lanes>(
@@ -256,13 +249,8 @@ pub struct BySigns<R, const EARLY_OUT: bool>(core::marker::PhantomData<R>);
 
 impl<R: Reciprocal, const EARLY_OUT: bool> Division for BySigns<R, EARLY_OUT> {
     const FORM: Form = Form::Deferred;
-    const RECIPROCAL: ReciprocalKind = R::KIND;
+    type Reciprocal = R;
     const EARLY_OUT: bool = EARLY_OUT;
-
-    #[inline(always)]
-    fn reciprocal<L: Lanes>(x: L) -> L {
-        R::reciprocal(x)
-    }
 
     #[inline(always)]
     fn test<M: Method, L: Lanes>(
@@ -298,14 +286,9 @@ pub struct DecisionOnly<D>(core::marker::PhantomData<D>);
 
 impl<D: Division> Division for DecisionOnly<D> {
     const FORM: Form = D::FORM;
-    const RECIPROCAL: ReciprocalKind = D::RECIPROCAL;
+    type Reciprocal = D::Reciprocal;
     const EARLY_OUT: bool = D::EARLY_OUT;
     const VALUES: bool = false;
-
-    #[inline(always)]
-    fn reciprocal<L: Lanes>(x: L) -> L {
-        D::reciprocal(x)
-    }
 
     #[inline(always)]
     fn test<M: Method, L: Lanes>(

@@ -240,7 +240,7 @@ impl RawScene {
         let fit = || {
             let mut state = self.state.write().unwrap_or_else(PoisonError::into_inner);
             match Arc::get_mut(&mut state).and_then(built) {
-                Some(built) => built.fit(&vertices),
+                Some(built) => built.fit(&vertices).map(|()| true),
                 None => Ok(false),
             }
         };
@@ -290,16 +290,11 @@ impl<X: Number> Built<X> {
         run::apart(py, how.threads, build)?.map_err(amiss)
     }
 
-    /// Fits the tree to vertices that have moved; whether it could.
-    fn fit(&mut self, vertices: &[[X; 3]]) -> Result<bool, UpdateError> {
-        match self.scene.update(vertices) {
-            Ok(_) => {
-                self.vertices.copy_from_slice(vertices);
-                Ok(true)
-            }
-            Err(UpdateError::Refit(_)) => Ok(false),
-            Err(error) => Err(error),
-        }
+    /// Fits the tree to vertices that have moved, or builds it anew where it is worn.
+    fn fit(&mut self, vertices: &[[X; 3]]) -> Result<(), UpdateError> {
+        self.scene.update(vertices)?;
+        self.vertices.copy_from_slice(vertices);
+        Ok(())
     }
 
     fn points(

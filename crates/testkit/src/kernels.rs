@@ -407,7 +407,7 @@ impl<M: Method, D: Division, A: Arrange, W: Widths, const FUSED: bool> LanesVisi
             kind: Kind {
                 form: D::FORM,
                 early_out: D::EARLY_OUT,
-                reciprocal: D::RECIPROCAL,
+                reciprocal: D::Reciprocal::KIND,
                 fused: FUSED,
                 arrangement: A::ARRANGEMENT,
                 lanes: L::N,

@@ -100,10 +100,14 @@ pub(crate) fn any(
 }
 
 /// The nearest hit of one ray, as of a batch.
-pub(crate) fn closest_of(traced: &dyn Traced, culling: Culling, ray: &Ray<f32>) -> TriangleHit {
+pub(crate) fn closest_of(
+    traced: &dyn Traced,
+    culling: Culling,
+    ray: &Ray<f32>,
+) -> Option<TriangleHit> {
     let mut found = None;
     closest(traced, Tracing::Single, culling, from_ref(ray), from_mut(&mut found));
-    found.unwrap_or(TriangleHit::NONE)
+    found
 }
 
 /// Whether one ray hits anything, as of a batch.

@@ -21,12 +21,6 @@ pub struct TriangleHit<P = f32> {
 pub struct MaybeHit<P: Real = f32>(pub(crate) P::Packed);
 
 impl<P: Real> MaybeHit<P> {
-    /// Of a hit, or [`TriangleHit::NONE`].
-    #[inline(always)]
-    pub(crate) fn of(hit: TriangleHit<P>) -> Self {
-        Self(P::pack(hit))
-    }
-
     /// The hit, if it is one.
     #[inline(always)]
     pub fn found(self) -> Option<TriangleHit<P>> {
@@ -36,7 +30,7 @@ impl<P: Real> MaybeHit<P> {
 
 impl<P: Real> From<Option<TriangleHit<P>>> for MaybeHit<P> {
     fn from(found: Option<TriangleHit<P>>) -> Self {
-        Self::of(found.unwrap_or(TriangleHit::NONE))
+        Self(P::pack(found.unwrap_or(TriangleHit::NONE)))
     }
 }
 

@@ -190,7 +190,7 @@ impl<M: Method, K: Queries<M>, const IN_LOOP: bool> TracedIn<f32> for TreeOf<M, 
 
     fn closest_hit(&self, culling: Culling, ray: &Ray<f32>) -> MaybeHit {
         self.trace_one(K::closest::<Promised<M>, Culling>(culling), ray)
-            .map_or_else(|| MaybeHit::of(dispatch::closest_of(self, culling, ray)), MaybeHit)
+            .map_or_else(|| dispatch::closest_of(self, culling, ray).into(), MaybeHit)
     }
 
     fn any_hit(&self, culling: Culling, ray: &Ray<f32>) -> bool {

@@ -126,8 +126,7 @@ impl<M: Method, K: Queries<M, f64>> TreeOf<M, K> {
             }
         }
         let boxed = &boxed[..rays.len()];
-        let (target, query) = (self, query);
-        if on_fast_lanes(TraceSingly { target, seed, query, rays: boxed, found }).is_none() {
+        if on_fast_lanes(TraceSingly { target: self, seed, query, rays: boxed, found }).is_none() {
             others = u64::MAX;
         }
         for (index, (ray, found)) in rays.iter().zip(found).enumerate() {

@@ -53,19 +53,14 @@ fn number<L: Lanes>(x: L, value: f64) -> L {
     x.constant(L::Elem::from_f64(value))
 }
 
-/// The largest magnitude among the coordinates.
-#[inline(always)]
-fn largest<L: Lanes>(v: Vec3<L>) -> L {
-    v.x.magnitude().max(v.y.magnitude().max(v.z.magnitude()))
-}
-
 impl<X: Scalar> SizedTriangle<X> {
     /// The corners as they are, and the size of the edges; NaN for a triangle that is NaN all over.
     #[inline(always)]
     pub fn new(triangle: &Triangle<X>) -> Self {
         let Triangle { a, b, c } = *triangle;
         // The second operand of `max` is what is left of a NaN.
-        let h = number(a.x, SHORTEST).max(largest(b - a).max(largest(c - a)));
+        let h =
+            number(a.x, SHORTEST).max((b - a).largest_magnitude().max((c - a).largest_magnitude()));
         Self { a, b, c, h }
     }
 }
@@ -148,7 +143,7 @@ impl<L: Lanes> Volumes<L> {
         let (det, t) = (ray.d.dot(n), s.dot(n));
         let r = ray.d.cross(s);
         let (u, v) = ((c - a).dot(r), (a - b).dot(r));
-        Self { det, u, v, w: (det - u) - v, t, distance: largest(s) }
+        Self { det, u, v, w: (det - u) - v, t, distance: s.largest_magnitude() }
     }
 }
 

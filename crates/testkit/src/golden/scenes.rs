@@ -144,10 +144,6 @@ fn unit(v: Vec3<f64>) -> Vec3<f64> {
     v.scale(1.0 / v.dot(v).sqrt())
 }
 
-fn largest(v: Vec3<f64>) -> f64 {
-    v.map(f64::abs).to_array().into_iter().fold(0.0, f64::max)
-}
-
 /// The scenes of a generator.
 pub(super) fn made<E: Golden>(make: &Make) -> Vec<Scene> {
     match make {
@@ -336,8 +332,9 @@ fn spawned<E: Golden>(stream: &mut Stream, each: usize, offset: f64, power: f64)
             }
         };
         let [a, b, c] = triangle.corners();
-        let away =
-            offset * E::UNIT_ROUNDOFF * [a, b, c].into_iter().map(largest).fold(0.0, f64::max);
+        let away = offset
+            * E::UNIT_ROUNDOFF
+            * [a, b, c].into_iter().map(Vec3::largest_magnitude).fold(0.0, f64::max);
         for _ in 0..each {
             let beta = stream.unit_f64();
             let gamma = (1.0 - beta) * stream.unit_f64();

@@ -86,15 +86,6 @@ fn down(x: f64) -> f32 {
     -up(-x)
 }
 
-/// The largest magnitude of a coordinate.
-#[inline(always)]
-fn largest(v: Vec3<f64>) -> f64 {
-    // Not `f64::max`, which minds NaN and is no single instruction: where there is one the result may be anything.
-    let Vec3 { x, y, z } = v.map(f64::abs);
-    let most = if x > y { x } else { y };
-    if z > most { z } else { most }
-}
-
 #[allow(clippy::cast_possible_truncation, reason = "rounds")]
 #[inline(always)]
 fn rounded(v: Vec3<f64>) -> Vec3<f32> {
@@ -140,14 +131,16 @@ impl Frame {
             return Self { center: Vec3::new(0.0, 0.0, 0.0), scale: 1.0, margin: 0.0 };
         }
         let center = Vec3::from([0, 1, 2].map(|axis| 0.5 * min[axis] + 0.5 * max[axis]));
-        let reach = largest(Vec3::from(min) - center).max(largest(Vec3::from(max) - center));
+        let [low, high] =
+            [min, max].map(|corner| (Vec3::from(corner) - center).largest_magnitude());
+        let reach = low.max(high);
         // A power of two above the reach is 2^(exponent − 1022). Below 2⁻¹⁰⁰⁰ boxes are larger than they need be.
         let scale = f64::from_bits(match exponent(reach) {
             // Subnormal.
             large @ 2045.. => 1 << (2096 - large),
             other => (2045 - other).min(2023) << 52,
         });
-        let of_center = largest(center) * scale * f64::EPSILON;
+        let of_center = center.largest_magnitude() * scale * f64::EPSILON;
         Self { center, scale, margin: up(MARGIN + 2.0 * of_center).min(LARGEST_MARGIN) }
     }
 
@@ -160,7 +153,7 @@ impl Frame {
     #[inline(always)]
     pub(crate) fn enter(&self, ray: &Ray<f64>) -> Entry<f64> {
         let Ray { tmin, tmax, .. } = *ray;
-        let fastest = largest(ray.d);
+        let fastest = ray.d.largest_magnitude();
         // Not so where an end is NaN.
         if !(tmin <= tmax && fastest > 0.0) {
             return Entry::Missed;
@@ -175,7 +168,7 @@ impl Frame {
             return Entry::Everywhere;
         }
         let o = self.bring(ray.o);
-        if largest(o) > NEAR {
+        if o.largest_magnitude() > NEAR {
             return self.enter_from_afar(ray, d, (tmin, tmax), unit);
         }
         let (tmin, tmax) = (down(tmin * unit), up(tmax * unit));
@@ -204,9 +197,10 @@ impl Frame {
         if !is_there || self.margin > 1.0 {
             return Entry::Everywhere;
         }
-        if largest(o) > NEAR {
+        if o.largest_magnitude() > NEAR {
             // By what `start` may be off.
-            let is_certain = largest(self.bring(from)) < FAR && largest(o) > NEAR + 0.25;
+            let is_certain =
+                self.bring(from).largest_magnitude() < FAR && o.largest_magnitude() > NEAR + 0.25;
             return if is_certain { Entry::Missed } else { Entry::Everywhere };
         }
         // All triangles are ahead.

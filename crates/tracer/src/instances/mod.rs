@@ -246,18 +246,17 @@ impl<T: HasTree> Instances<T> {
     /// By how much boxes have to be larger for a ray.
     ///
     /// With `k` the largest of [`Off::relative`](transform::Off) and boxes that are widened for origins within `reach`, a
-    /// ray from farther away may be off by `4k` more per length: `2·k·2·|o|`. Moving its origin by the margin rounds
-    /// as well, within `u·(|o| + margin)`, for which `4u·|o|` is taken; `4k ≤ 1`.
+    /// ray from farther away may be off by `4k` more per length: `2·k·2·|o|`. Adding the margin to what moves the sides
+    /// of all boxes rounds as well, within `u·(|o| + margin)`, for which `4u·|o|` is taken; `4k ≤ 1`.
     #[inline]
     fn margin(&self, ray: &Ray<f32>) -> f32 {
-        let largest = |v: Vec3<f32>| v.x.abs().max(v.y.abs()).max(v.z.abs());
         if self.per_length == 0.0 {
             return 0.0;
         }
-        if largest(ray.d) < self.least_direction {
+        if ray.d.largest_magnitude() < self.least_direction {
             return f32::INFINITY;
         }
-        let away = largest(ray.o);
+        let away = ray.o.largest_magnitude();
         if away > self.reach {
             (away - self.reach) * self.per_length + away * (2.0 * f32::EPSILON)
         } else {

@@ -7,7 +7,7 @@
 use trisect_core::{Lanes, Vec3};
 
 use super::batch::{RAYS, RayBatch};
-use super::slabs::{largest, margin, within};
+use super::slabs::{margin, within};
 use crate::bvh::node::Node;
 use crate::vectors::{WIDTH, least, splat};
 
@@ -113,7 +113,7 @@ impl PacketBounds {
             farthest: pick(o_max, o_min),
             small: pick(r_max, r_min),
             large,
-            margin: margin(reach, largest(o_min).max(largest(o_max)), large),
+            margin: margin(reach, o_min.largest_magnitude().max(o_max.largest_magnitude()), large),
             tmin: least(tmin),
             tmax: -least(minus_tmax),
         }
@@ -131,7 +131,7 @@ impl PacketBounds {
             farthest: o,
             small: inverse,
             large: inverse,
-            margin: margin(reach, largest(o), inverse),
+            margin: margin(reach, o.largest_magnitude(), inverse),
             tmin,
             tmax,
         }

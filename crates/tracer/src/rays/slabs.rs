@@ -47,16 +47,10 @@ pub(crate) struct Slabs<L> {
     pub(crate) far: Vec3<L>,
 }
 
-/// The largest coordinate in magnitude.
-#[inline(always)]
-pub(crate) fn largest<L: Lanes>(v: Vec3<L>) -> L {
-    v.x.magnitude().max(v.y.magnitude()).max(v.z.magnitude())
-}
-
 /// Whether a ray moves at all.
 #[inline(always)]
 pub(crate) fn moves<L: Lanes<Elem = f32>>(ray: &Ray<L>) -> L::Mask {
-    largest(ray.d).gt(ray.d.x.constant(0.0))
+    ray.d.largest_magnitude().gt(ray.d.x.constant(0.0))
 }
 
 /// How far sides are moved outwards, as a distance along an axis of that inverse direction: given
@@ -84,7 +78,7 @@ impl<L: Lanes<Elem = f32>> Slabs<L> {
     pub(crate) fn new<B: Boxes>(ray: &Ray<L>, reach: f32) -> Self {
         let Ray { o, d, .. } = *ray;
         let one = o.x.constant(1.0);
-        let fastest = largest(d);
+        let fastest = d.largest_magnitude();
         let flattest = if B::ROBUST { FLATTEST_ROBUST } else { FLATTEST };
         let least = fastest * o.x.constant(flattest);
         let inverse = Vec3::new(
@@ -96,7 +90,7 @@ impl<L: Lanes<Elem = f32>> Slabs<L> {
             let start = by_axis(o, inverse);
             return Self { inverse, near: start, far: start };
         }
-        let from = largest(o);
+        let from = o.largest_magnitude();
         let away = from + from.constant(reach);
         let is_sure =
             away.max(fastest).le(one.constant(LARGEST)) & away.le(fastest * one.constant(LONGEST));
@@ -199,7 +193,8 @@ pub fn meets_box(ray: &Ray<f32>, low: Vec3<f32>, high: Vec3<f32>) -> bool {
 #[inline]
 pub(crate) fn meets_wide_box(ray: &Ray<f32>, [low, high]: [Vec3<f32>; 2], margin: f32) -> bool {
     let Interval { tmin, tmax } = Interval::of(ray);
-    let slabs = Slabs::new::<Robust>(ray, largest(low).max(largest(high)) + margin);
+    let slabs =
+        Slabs::new::<Robust>(ray, low.largest_magnitude().max(high.largest_magnitude()) + margin);
     let (enters, leaves) =
         slabs.widened(margin).cross_either_way::<Robust>(low, high, (tmin, tmax));
     enters <= leaves && tmin <= tmax && moves(ray)

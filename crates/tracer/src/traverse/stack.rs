@@ -40,14 +40,16 @@ thread_local! {
     static ITEMS: RefCell<[u64; ROOM]> = const { RefCell::new([0; ROOM]) };
 }
 
-/// Does something with room for the stack of any tree. It must not ask for room again.
+/// Does something with room for the stack of any tree. It must not ask for room again, so it calls nothing of a
+/// caller's; what does [declares](declare_room) room of its own.
 #[inline(always)]
 pub(crate) fn with_room<T>(work: impl FnOnce(&mut [u64; ROOM]) -> T) -> T {
     ITEMS.with_borrow_mut(work)
 }
 
 /// Declares room for a stack, so many items or more, on the stack of the thread: nothing is allocated for a ray. Little
-/// room is cleared sooner. The largest does for any tree. The middle one does for trees of up to seventeen nodes deep; trees of millions of triangles are eleven.
+/// room is cleared sooner. The largest does for any tree. The middle one does for trees of up to seventeen nodes deep;
+/// trees of millions of triangles are eleven.
 macro_rules! declare_room {
     ($items:ident, $room:expr) => {
         let room: usize = $room;
