@@ -41,7 +41,7 @@ fn main() -> ExitCode {
 
 /// The manual page of the command, or of one of its commands, in roff.
 fn manual_page(of: Option<&str>) -> Result<Vec<u8>> {
-    let mut command = Arguments::command();
+    let mut command = Arguments::command().name("trisect");
     command.build();
     if let Some(name) = of {
         let of_name = command.find_subcommand(name).cloned();

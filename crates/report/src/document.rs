@@ -30,7 +30,9 @@ pub struct Source {
     pub measured: String,
     /// The program and its version, for the page's metadata.
     pub generator: String,
-    /// Terms and what they are, for the head of the page.
+    /// How steady the machine was, which says what differences are worth: one sentence below the heading of a page.
+    pub steadiness: Option<String>,
+    /// Terms and what they are, for the end of the page.
     pub facts: Vec<(&'static str, String)>,
 }
 

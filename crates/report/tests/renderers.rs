@@ -75,6 +75,7 @@ fn document() -> Document {
             line: "program on machine".into(),
             measured: "Measured by `program`.".into(),
             generator: "program".into(),
+            steadiness: Some("The machine was quiet.".into()),
             facts: vec![("Command", "`program`".into())],
         },
         sections: vec![
@@ -171,6 +172,14 @@ fn as_figures() {
 }
 
 /// What is of a method is marked as such in every layout, and says what a page says of it.
+/// Before all that it is about.
+#[test]
+fn a_page_says_first_how_steady_the_machine_was() {
+    let page = html::draw(&document(), &[]).expect("it is drawn");
+    let head = page.html.split("<h2").next().unwrap_or_default();
+    assert!(head.contains("The machine was quiet."), "{head}");
+}
+
 #[test]
 fn figures_mark_what_is_of_a_method() {
     let page = html::draw(&document(), &[]).expect("it is drawn");

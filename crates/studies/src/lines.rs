@@ -21,7 +21,7 @@ pub(crate) fn source(header: &Header) -> Source {
     let m = &header.machine;
     let ghz = number(m.core_ghz);
     let widest = m.instruction_sets.last().map_or("scalar", |set| set.name());
-    let facts = [
+    let facts = vec![
         ("Processor", format!("{}, {} logical, {ghz} GHz while measuring", m.cpu, m.logical_cpus)),
         (
             "Instruction sets",
@@ -38,7 +38,6 @@ pub(crate) fn source(header: &Header) -> Source {
         ),
         ("Command", format!("`{}`", header.command)),
     ];
-    let machine = header.noise.map(|noise| ("Machine", noise.says()));
     let noise = header.noise.map_or_else(String::new, |noise| format!(" · {}", noise.says()));
     Source {
         line: format!("trisect {} on {}, {ghz} GHz, {}{noise}", header.trisect, m.cpu, m.compiler),
@@ -47,6 +46,7 @@ pub(crate) fn source(header: &Header) -> Source {
             m.cpu, m.compiler, header.command
         ),
         generator: format!("trisect {}", header.trisect),
-        facts: facts.into_iter().chain(machine).collect(),
+        steadiness: header.noise.map(|noise| format!("The machine was {}.", noise.says())),
+        facts,
     }
 }
