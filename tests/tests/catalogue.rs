@@ -60,49 +60,6 @@ fn for_all<P: Property>() {
     }
 }
 
-struct EveryWidthHasTheScalarBits;
-
-impl Property for EveryWidthHasTheScalarBits {
-    fn check<E: Precision>(
-        forms: Forms,
-        kernels: &Kernels<E>,
-        triangles: &[Triangle<E>],
-        rays: &[Ray<E>],
-        place: &str,
-    ) {
-        let Ok(scene) = (kernels.prepare)(triangles, rays) else { return };
-        for &division in forms.list() {
-            let scalar =
-                kernels.plain_finder(Some(1), Some(division)).expect("scalars are everywhere");
-            let expected = answers(scalar, &scene);
-            assert!(!expected.is_empty(), "{place}: a workload without hits shows nothing");
-            let wide = kernels.finders.iter().filter(|finder| {
-                let variant = &finder.variant;
-                variant.width > 1
-                    && variant.is_plain()
-                    && variant.is_available()
-                    && variant.division == division
-            });
-            for finder in wide {
-                let found = answers(finder, &scene);
-                let differs = found.iter().zip(&expected).find(|(a, b)| a != b);
-                assert!(
-                    found.len() == expected.len() && differs.is_none(),
-                    "{place}, {:?}: {} hits, the scalar {}; first difference {differs:?}",
-                    finder.variant,
-                    found.len(),
-                    expected.len()
-                );
-            }
-        }
-    }
-}
-
-#[test]
-fn every_width_has_the_scalar_bits() {
-    for_all::<EveryWidthHasTheScalarBits>();
-}
-
 struct TimedKernelsCountTheFindersHits;
 
 impl Property for TimedKernelsCountTheFindersHits {
@@ -119,9 +76,8 @@ impl Property for TimedKernelsCountTheFindersHits {
                 continue;
             }
             let expected = answers(finder, &scene).len() as u64;
-            let timed = kernels.timed.iter().filter(|kernel| {
-                kernel.variant.computes_like(&finder.variant)
-                    && kernel.variant.arrangement.serves(scene.common())
+            let timed = kernels.answered_by(finder).filter(|kernel| {
+                kernel.variant.is_available() && kernel.variant.arrangement.serves(scene.common())
             });
             for kernel in timed {
                 let tally = kernel.run(&scene);
@@ -149,7 +105,7 @@ fn every_timed_variant_has_a_finder() {
         let double = entry.f64.timed.iter().map(|kernel| &entry.f64.finder_of(kernel).variant);
         let timed = entry.f32.timed.iter().chain(&entry.f64.timed);
         for (kernel, variant) in timed.zip(single.chain(double)) {
-            assert!(kernel.variant.computes_like(variant), "{:?}", kernel.variant);
+            assert!(kernel.variant.rounds_like(variant), "{:?}", kernel.variant);
         }
     }
 }

@@ -56,8 +56,8 @@ impl Group<'_> {
         group.throughput(Throughput::Elements(self.tests)).sampling_mode(SamplingMode::Flat);
         // Made when the first kernel that is not filtered out asks.
         let scene = OnceCell::new();
-        let finders: Vec<&Finder> = kernels.finders.iter().chain(&kernels.deciders).collect();
-        let hits: Vec<OnceCell<u64>> = finders.iter().map(|_| OnceCell::new()).collect();
+        let finders = || kernels.finders.iter().chain(&kernels.deciders);
+        let hits: Vec<OnceCell<u64>> = finders().map(|_| OnceCell::new()).collect();
         let common = Common::of(rays);
         let serves = |kernel: &&Kernel| {
             kernel.variant.is_available() && kernel.variant.arrangement.serves(common)
@@ -70,9 +70,9 @@ impl Group<'_> {
                     eprintln!("{}: cannot take these triangles", self.name);
                     return;
                 };
-                let answering = finder_for(&finders, kernel);
-                let expected =
-                    *hits[answering].get_or_init(|| count_hits(finders[answering], scene));
+                let finder = kernels.finder_of(kernel);
+                let at = finders().position(|other| std::ptr::eq(other, finder)).unwrap_or(0);
+                let expected = *hits[at].get_or_init(|| count_hits(finder, scene));
                 let tally = kernel.run(scene);
                 assert_eq!(tally.hits, expected, "{}: wrong hits", kernel_name(kernel));
                 assert!(tally.sum.is_finite(), "{}: wrong sum", kernel_name(kernel));
@@ -81,22 +81,6 @@ impl Group<'_> {
         }
         group.finish();
     }
-}
-
-/// The finder whose hits a kernel must count: of plain kernels the scalar, since plain arithmetic
-/// gives the same bits on every width; of others the kernel's own.
-fn finder_for(finders: &[&Finder], kernel: &Kernel) -> usize {
-    let variant = &kernel.variant;
-    finders
-        .iter()
-        .position(|finder| {
-            if variant.is_plain() {
-                finder.variant.width == 1 && finder.variant.rounds_like(variant)
-            } else {
-                finder.variant.computes_like(variant)
-            }
-        })
-        .expect("every timed variant has a finder")
 }
 
 fn count_hits(finder: &Finder, scene: &Scene) -> u64 {

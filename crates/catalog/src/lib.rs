@@ -198,16 +198,20 @@ pub fn find(name: &str) -> Option<&'static Entry> {
 }
 
 impl<E: Precision> Kernels<E> {
-    /// The finder that computes as a kernel of these does.
+    /// The finder that [answers for](Variant::answered_by) a kernel of these.
     ///
     /// # Panics
     /// When the kernel is another's.
     pub fn finder_of(&self, kernel: &Kernel) -> &Finder {
-        self.finders
-            .iter()
-            .chain(&self.deciders)
-            .find(|finder| finder.variant.computes_like(&kernel.variant))
+        kernel
+            .variant
+            .answered_by(self.finders.iter().chain(&self.deciders), |finder| &finder.variant)
             .expect("every timed variant has a finder")
+    }
+
+    /// The timed kernels that a finder answers for.
+    pub fn answered_by(&self, finder: &Finder) -> impl Iterator<Item = &Kernel> {
+        self.timed.iter().filter(move |kernel| std::ptr::eq(self.finder_of(kernel), finder))
     }
 
     /// The finder of the plain variant of that width and form: of the widest that this processor has,

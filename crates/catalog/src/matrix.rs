@@ -1,7 +1,8 @@
 //! Which instances are compiled.
 //!
-//! A width stands for the instruction set that it is native to. Finders are compiled for every
-//! native lane type, plain and fused, in each form of the division that the method has. Timed
+//! A width stands for the instruction set that it is native to. Finders are compiled for each form of the
+//! division that the method has on scalars and on lanes of 256 bits, plain and fused: those of others give the same
+//! bits, which the methods' own tests hold them to. An exact method, whose promise is held to on every width, has them on all. Timed
 //! kernels are compiled for what the tables show: in f32 the scalar in all needs, each instruction set
 //! with fused multiply-add in all needs and arrangements; all others, and f64, with the fullest hit
 //! alone. With the feature `full` everything is compiled for everything.
@@ -11,8 +12,8 @@ use std::marker::PhantomData;
 use trisect_core::{Lanes, LanesVisitor, Precision, Token};
 use trisect_kernels::{CommonDirection, CommonOrigin};
 use trisect_method::{
-    Barycentrics, DecisionOnly, Deferred, Distance, Division, Early, Form, Method, Needs, Newton,
-    Normal, Occlusion, Output, Point, TrueDivision,
+    Barycentrics, DecisionOnly, Deferred, Distance, Division, Early, ExactMethod, Form, Method,
+    Needs, Newton, Normal, Occlusion, Output, Point, Refine, TrueDivision,
 };
 
 use crate::kernel::{Arrange, Finder, Instances as _, Kernel, OneRay, OneTriangle, Scene};
@@ -56,7 +57,11 @@ struct Collect<M> {
 impl<M: Method> LanesVisitor for Collect<M> {
     // Inline constants, so that what is left out is not compiled either.
     fn visit<L: Lanes<Elem: Precision>>(&mut self) {
-        self.finders::<L>();
+        self.finders.extend(if const { FULL || answers::<L>() } {
+            finders::<M, L>()
+        } else {
+            M::refine(ExactFinders::<L>(PhantomData))
+        });
         if const { FULL && newton_differs::<L>() && M::INFO.forms.deferred() } {
             self.finders.push(Finder::new::<M, L, Deferred<Newton, true>>());
             self.fullest::<L, Deferred<Newton, true>, OneRay>();
@@ -82,7 +87,7 @@ impl<M: Method> LanesVisitor for Collect<M> {
             self.need::<L, Point, false>();
             self.need::<L, Normal, false>();
         }
-        if const { M::INFO.decides_apart() && (FULL || is_single::<L>()) } {
+        if const { M::INFO.decides_apart() && is_single::<L>() && (FULL || answers::<L>()) } {
             self.deciders.push(Finder::new::<M, L, DecisionOnly<Deferred<TrueDivision, true>>>());
         }
         if const { FULL } {
@@ -92,15 +97,6 @@ impl<M: Method> LanesVisitor for Collect<M> {
 }
 
 impl<M: Method> Collect<M> {
-    fn finders<L: Lanes<Elem: Precision>>(&mut self) {
-        if const { M::INFO.forms.early() } {
-            self.finders.push(Finder::new::<M, L, Early<TrueDivision, true>>());
-        }
-        if const { M::INFO.forms.deferred() } {
-            self.finders.push(Finder::new::<M, L, Deferred<TrueDivision, true>>());
-        }
-    }
-
     /// The fullest hit that the method gives, in each form that it has.
     fn each_form<L: Lanes<Elem: Precision>, const EARLY_OUT: bool, A: Arrange>(&mut self) {
         if const { M::INFO.forms.early() } {
@@ -160,6 +156,43 @@ impl<M: Method> Collect<M> {
             self.timed.push(kernel);
         }
     }
+}
+
+/// The finders of a method on lanes of one type.
+fn finders<M: Method, L: Lanes<Elem: Precision>>() -> Vec<Finder> {
+    let mut finders = Vec::new();
+    if const { M::INFO.forms.early() } {
+        finders.push(Finder::new::<M, L, Early<TrueDivision, true>>());
+    }
+    if const { M::INFO.forms.deferred() } {
+        finders.push(Finder::new::<M, L, Deferred<TrueDivision, true>>());
+    }
+    finders
+}
+
+/// The finders of an exact method; none of others.
+struct ExactFinders<L>(PhantomData<L>);
+
+impl<M: Method, L: Lanes<Elem: Precision>> Refine<M> for ExactFinders<L> {
+    type Output = Vec<Finder>;
+
+    fn rounded(self) -> Vec<Finder> {
+        Vec::new()
+    }
+
+    fn exact(self) -> Vec<Finder>
+    where
+        M: ExactMethod,
+    {
+        finders::<M, L>()
+    }
+}
+
+/// Whether the finders on these lanes answer for all that round as they do: scalars, which every processor has, and
+/// lanes of at most 256 bits where the processor fuses, plain ones to be fast.
+const fn answers<L: Lanes>() -> bool {
+    let fuses = L::Token::INSTRUCTION_SET.has_fused_multiply_add();
+    L::N == 1 || fuses && L::N * size_of::<L::Elem>() <= 32
 }
 
 /// Whether these lanes are of f32.

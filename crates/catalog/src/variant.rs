@@ -108,6 +108,19 @@ impl Variant {
         self.rounds_like(other) && self.lane() == other.lane()
     }
 
+    /// The one among some variants that answers for this one: the one on its lanes, or else one that rounds as it
+    /// does.
+    pub fn answered_by<'a, T>(
+        &self,
+        among: impl Iterator<Item = &'a T> + Clone,
+        variant: impl Fn(&T) -> &Self,
+    ) -> Option<&'a T> {
+        among
+            .clone()
+            .find(|one| variant(one).computes_like(self))
+            .or_else(|| among.clone().find(|one| variant(one).rounds_like(self)))
+    }
+
     /// Whether it does what a tracer does at a leaf: one ray against f32 lanes, as fused as the processor
     /// has them, and no more than the eight triangles of a block.
     pub fn is_as_in_a_tracer(&self) -> bool {

@@ -2,8 +2,8 @@
 
 use anyhow::Result;
 use serde::Serialize;
-use trisect_catalog::{Entry, entries};
-use trisect_core::InstructionSet;
+use trisect_catalog::{Entry, Kernels, Variant, entries};
+use trisect_core::{InstructionSet, Precision};
 use trisect_method::{Form, Input, Output};
 use trisect_studies::machine;
 
@@ -52,8 +52,8 @@ impl Method {
 pub(crate) fn run(arguments: &List) -> Result<()> {
     let listing = Listing {
         methods: entries().iter().map(Method::from).collect(),
-        widths: entries().first().map_or_else(Vec::new, |entry| widths(&entry.f32.finders)),
-        widths_f64: entries().first().map_or_else(Vec::new, |entry| widths(&entry.f64.finders)),
+        widths: entries().first().map_or_else(Vec::new, |entry| timed_widths(&entry.f32)),
+        widths_f64: entries().first().map_or_else(Vec::new, |entry| timed_widths(&entry.f64)),
         instruction_sets: machine::instruction_sets().collect(),
     };
     output::print_as(arguments.json, &listing, |out| {
@@ -77,12 +77,15 @@ pub(crate) fn run(arguments: &List) -> Result<()> {
     })
 }
 
-/// The widths that this processor can run, narrowest first.
-pub(crate) fn widths(finders: &[trisect_catalog::Finder]) -> Vec<usize> {
-    let mut widths: Vec<usize> = finders
-        .iter()
-        .filter(|finder| finder.variant.is_available())
-        .map(|finder| finder.variant.width)
+fn timed_widths<E: Precision>(kernels: &Kernels<E>) -> Vec<usize> {
+    widths(kernels.timed.iter().map(|kernel| &kernel.variant))
+}
+
+/// The widths of variants that this processor can run, narrowest first.
+pub(crate) fn widths<'a>(variants: impl Iterator<Item = &'a Variant>) -> Vec<usize> {
+    let mut widths: Vec<usize> = variants
+        .filter(|variant| variant.is_available())
+        .map(|variant| variant.width)
         .collect();
     widths.sort_unstable();
     widths.dedup();

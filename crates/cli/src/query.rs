@@ -347,8 +347,8 @@ fn choose<E: Precision>(
     entry: &Entry,
     kernels: &'static Kernels<E>,
 ) -> Result<&'static Finder> {
-    let here = list::widths(&kernels.finders).iter().map(usize::to_string).collect::<Vec<_>>();
-    let here = here.join(", ");
+    let here = list::widths(kernels.finders.iter().map(|finder| &finder.variant));
+    let here = here.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
     let precision = arguments.precision;
     let width = arguments.width.lanes();
     let forms = entry.info.forms.list();
@@ -364,7 +364,7 @@ fn choose<E: Precision>(
     }
     let Some(finder) = kernels.plain_finder(width, arguments.division) else {
         let width = width.map_or("native".to_owned(), |width| width.to_string());
-        bail!("{precision} has no width {width}; use --width native or one of {here}");
+        bail!("{precision} queries have no width {width}; use --width native or one of {here}");
     };
     let Variant { width, instruction_set, .. } = &finder.variant;
     if !instruction_set.is_available() {

@@ -61,8 +61,8 @@ impl Group {
         timed.retain(|kernel| kernel.variant.arrangement.serves(scene.common()));
         let mut answers: Vec<(&'static Variant, Answers)> = Vec::new();
         for kernel in &timed {
-            if !answers.iter().any(|(variant, _)| variant.computes_like(&kernel.variant)) {
-                let finder = kernels.finder_of(kernel);
+            let finder = kernels.finder_of(kernel);
+            if !answers.iter().any(|&(variant, _)| *variant == finder.variant) {
                 answers.push((&finder.variant, Answers::of(finder, &scene)));
             }
         }
@@ -93,10 +93,9 @@ impl Group {
     }
 
     fn expected(&self, kernel: &Kernel, subject: &Subject) -> Expected {
-        let (_, answers) = self
-            .answers
-            .iter()
-            .find(|(variant, _)| variant.computes_like(&kernel.variant))
+        let (_, answers) = kernel
+            .variant
+            .answered_by(self.answers.iter(), |(variant, _)| variant)
             .expect("every timed variant has a finder");
         let of = subject.of(kernel.variant.precision);
         answers.expected(kernel.variant.needs, self.unit_roundoff, of)

@@ -6,6 +6,7 @@ pub mod rays;
 
 mod bunny;
 mod classes;
+mod crowd;
 mod generate;
 mod hall;
 mod stream;
@@ -14,6 +15,7 @@ mod surface;
 
 pub use bunny::bunny;
 pub use classes::RayClass;
+pub use crowd::crowd;
 pub use generate::{
     Closest, Light, OFFSET, Share, Workload, diffuse_bounce, edge_aimed, hit_rate, occlusion,
     primary, random, random_sharing, random_through_box, working_set,

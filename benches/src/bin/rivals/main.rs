@@ -21,7 +21,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rand::SeedableRng as _;
 use rand_pcg::Pcg64;
 use trisect_studies::tracer::ClassOfRays;
-use trisect_workloads::{Mesh, RayClass, read_rays};
+use trisect_workloads::{Mesh, RayClass, crowd, read_rays};
 
 use crate::contender::{Entrant, Resident, build, quiet_guarded_panics, race};
 use crate::report::{Class, Report};
@@ -38,6 +38,10 @@ struct Arguments {
     /// Mesh: PLY, OBJ, STL or glTF; may be given several times
     #[arg(long, value_name = "FILE", required = true)]
     mesh: Vec<PathBuf>,
+    /// Copies of each mesh, turned, side by side: scenes of millions of triangles
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..=4096))]
+    copies: u16,
     /// Rays: CSV or .rays; if left out, rays of several classes are made for each mesh
     #[arg(long, value_name = "FILE", conflicts_with_all = ["classes", "pixels"])]
     rays: Option<PathBuf>,
@@ -196,7 +200,7 @@ fn meshes(arguments: &Arguments) -> Result<Vec<Mesh>> {
             path.display(),
             mesh.name
         );
-        Ok(mesh)
+        Ok(if arguments.copies == 1 { mesh } else { crowd(&mesh, arguments.copies)? })
     };
     arguments.mesh.iter().map(load).collect()
 }

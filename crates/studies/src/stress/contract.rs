@@ -172,7 +172,7 @@ fn slack<E: Precision>(variant: &Variant) -> f64 {
     roundings * 2.0 * E::UNIT_ROUNDOFF
 }
 
-/// Every kernel that computes as the finder does, whatever it is asked for and however it is
+/// Every kernel that the finder answers for, whatever it is asked for and however it is
 /// arranged, must count the finder's hits: so any-hit and closest-hit agree.
 fn same_decisions<E: Precision>(
     kernels: &Kernels<E>,
@@ -182,9 +182,8 @@ fn same_decisions<E: Precision>(
     pairs: u64,
     tally: &mut Tally,
 ) {
-    let alike = kernels.timed.iter().filter(|kernel| {
-        kernel.variant.computes_like(&finder.variant)
-            && kernel.variant.arrangement.serves(scene.common())
+    let alike = kernels.answered_by(finder).filter(|kernel| {
+        kernel.variant.is_available() && kernel.variant.arrangement.serves(scene.common())
     });
     for kernel in alike {
         let differ = kernel.run(scene).hits.abs_diff(hits);
