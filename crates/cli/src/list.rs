@@ -83,10 +83,8 @@ fn timed_widths<E: Precision>(kernels: &Kernels<E>) -> Vec<usize> {
 
 /// The widths of variants that this processor can run, narrowest first.
 pub(crate) fn widths<'a>(variants: impl Iterator<Item = &'a Variant>) -> Vec<usize> {
-    let mut widths: Vec<usize> = variants
-        .filter(|variant| variant.is_available())
-        .map(|variant| variant.width)
-        .collect();
+    let mut widths: Vec<usize> =
+        variants.filter(|variant| variant.is_available()).map(|variant| variant.width).collect();
     widths.sort_unstable();
     widths.dedup();
     widths

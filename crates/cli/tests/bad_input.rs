@@ -428,7 +428,9 @@ fn a_width_whose_instructions_the_processor_lacks() {
                      use --width native or one of 1…\n"
                 )
             } else {
-                format!("trisect: {precision} queries have no width {width}; use --width native or …\n")
+                format!(
+                    "trisect: {precision} queries have no width {width}; use --width native or …\n"
+                )
             };
             assert!(matches(&run.stderr, &says), "{}", run.stderr);
         }
