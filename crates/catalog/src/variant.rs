@@ -112,13 +112,13 @@ impl Variant {
     /// does.
     pub fn answered_by<'a, T>(
         &self,
-        among: impl Iterator<Item = &'a T> + Clone,
+        mut among: impl Iterator<Item = &'a T> + Clone,
         variant: impl Fn(&T) -> &Self,
     ) -> Option<&'a T> {
         among
             .clone()
             .find(|one| variant(one).computes_like(self))
-            .or_else(|| among.clone().find(|one| variant(one).rounds_like(self)))
+            .or_else(|| among.find(|one| variant(one).rounds_like(self)))
     }
 
     /// Whether it does what a tracer does at a leaf: one ray against f32 lanes, as fused as the processor
