@@ -234,6 +234,8 @@ impl Builder {
             Op::Sub(a, b) => x(a)? - x(b)?,
             Op::Mul(a, b) => x(a)? * x(b)?,
             Op::Div(a, b) => x(a)? / x(b)?,
+            Op::MulAdd(a, b, c) => rounded(self.format, x(a)? * x(b)?) + x(c)?,
+            Op::MulSub(a, b, c) => rounded(self.format, x(a)? * x(b)?) - x(c)?,
             Op::Neg(a) => -x(a)?,
             Op::Abs(a) => x(a)?.abs(),
             Op::Lt(a, b) => return Some(Op::Truth(x(a)? < x(b)?)),

@@ -418,9 +418,9 @@ impl<'a> Writer<'a> {
         }
         let comment = match self.formula.turned {
             Axis::OfTriangle => {
-                "Prepares the ray o + t·d, t_min <= t <= t_max, for triangles whose axis is `axis`."
+                "Prepares the ray o + t d, t_min <= t <= t_max, for triangles whose axis is `axis`."
             }
-            _ => "Prepares the ray o + t·d, t_min <= t <= t_max.",
+            _ => "Prepares the ray o + t d, t_min <= t <= t_max.",
         };
         self.function(comment, &format!("{}_prepare_ray", self.prefix), &parameters, &kind, body)
     }
