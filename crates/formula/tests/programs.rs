@@ -76,13 +76,13 @@ fn program_in_rust(subjects: &[Subject<f32>]) -> String {
         let _ =
             writeln!(calls, "for p in &pairs {{\nlet v = |i: usize| [p[i], p[i + 1], p[i + 2]];");
         let _ = writeln!(calls, "let h = m_{name}::{name}_intersect({pair});");
-        calls += &if subject.formula.info.claims.exact {
-            "let to = [h as f32, 0.0, 0.0, 0.0];\n".to_owned()
+        if subject.formula.info.claims.exact {
+            calls += "let to = [h as f32, 0.0, 0.0, 0.0];\n";
         } else {
             let weights =
                 if has(subject, Needs::Barycentrics) { "h.beta, h.gamma" } else { "0.0, 0.0" };
-            format!("let to = h.map_or([0.0; 4], |h| [1.0, h.t, {weights}]);\n")
-        };
+            let _ = writeln!(calls, "let to = h.map_or([0.0; 4], |h| [1.0, h.t, {weights}]);");
+        }
         calls += "for x in to { out.extend(x.to_ne_bytes()); }\n}\n";
     }
     text += "fn main() {\nlet args: Vec<String> = std::env::args().collect();\n\
