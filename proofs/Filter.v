@@ -23,6 +23,7 @@ Proof.
 Qed.
 
 Section Filter.
+Set Default Proof Using "All".
 Variable rnd : R -> R.
 Variables u eta : R.
 Hypothesis arithmetic : rounding rnd u eta.

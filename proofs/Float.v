@@ -7,7 +7,8 @@ Open Scope R_scope.
 (** Rounding to nearest where [eta] is the smallest normal number. *)
 Record rounding (rnd : R -> R) (u eta : R) : Prop := {
   rounds : forall x, Rabs (rnd x - x) <= u * Rabs x + eta;
-  rounds_normal : forall x, eta <= Rabs x -> Rabs (rnd x - x) <= u * Rabs x }.
+  rounds_normal : forall x, eta <= Rabs x -> Rabs (rnd x - x) <= u * Rabs x;
+  rounds_sign : forall x, 0 <= x -> 0 <= rnd x }.
 Definition reading (read : R -> R) eta := forall x, Rabs (read x - x) <= eta.
 
 Section Format.
@@ -41,10 +42,17 @@ Qed.
 Lemma u_pos : 0 <= u.
 Proof. unfold u. pose proof (bpow_ge_0 radix2 (- prec + 1)). lra. Qed.
 
+Lemma nearest_pos x : 0 <= x -> 0 <= nearest x.
+Proof.
+  apply round_ge_generic; [apply FLT_exp_valid; exact positive|apply valid_rnd_N|apply generic_format_0].
+Qed.
+
 Lemma nearest_rounds : rounding nearest u smallest.
 Proof.
-  split; intros x; [pose proof (nearest_near x); pose proof half_le; lra|].
-  intro N. apply relative_error_N_FLT; [exact positive|exact N].
+  split; intros x.
+  - pose proof (nearest_near x). pose proof half_le. lra.
+  - intro N. apply relative_error_N_FLT; [exact positive|exact N].
+  - apply nearest_pos.
 Qed.
 
 Lemma nearest_normal x : smallest <= Rabs x -> smallest <= Rabs (nearest x).
@@ -69,6 +77,8 @@ Proof.
   - apply nearest_rounds.
   - intro N. apply nearest_normal in N. lra.
   - apply nearest_rounds.
+  - lra.
+  - apply nearest_pos.
 Qed.
 End Format.
 
