@@ -11,8 +11,8 @@ mod yardsticks;
 
 use std::sync::OnceLock;
 
-use trisect_core::{Hit, Precision, Ray, Triangle};
-use trisect_formula::{Cost, cost};
+use trisect_core::{FloatFormat, Hit, Precision, Ray, Triangle};
+use trisect_formula::{Cost, Formula};
 use trisect_method::{Form, Method, MethodInfo, MethodVisitor, UnsuitableMesh};
 
 use kernel::Instances as _;
@@ -20,11 +20,11 @@ pub use kernel::{Find, Finder, Kernel, Scene, Tally};
 pub use variant::{Lane, Variant};
 pub use yardsticks::{every_triangle, scalar_tree, waived_watertight};
 
+pub use trisect_all_methods::each_method;
+
 pub use trisect::trees::{BuildTree, NAMES as TREES_F64};
 
 pub use trisect_tracer::{Builder, Leaves, Statistics, Tracing, Tree, TriangleHit, fast_lanes};
-
-include!(concat!(env!("OUT_DIR"), "/methods.rs"));
 
 /// The compiler of the kernels, with its version.
 pub const COMPILER: &str = env!("TRISECT_COMPILER");
@@ -38,7 +38,9 @@ pub struct Entry {
     pub info: MethodInfo,
     /// Its type, as a program names it.
     pub type_name: String,
-    /// What it costs, counted by running its formula.
+    /// Records its formula, for numbers of a format.
+    pub formula: fn(FloatFormat) -> Formula,
+    /// What it costs, counted from its formula.
     pub cost: Cost,
     /// Its f32 kernels.
     pub f32: Kernels<f32>,
@@ -152,7 +154,8 @@ pub fn entries() -> &'static [Entry] {
             self.0.push(Entry {
                 info: M::INFO,
                 type_name: type_name::<M>(),
-                cost: cost::<M>(),
+                formula: Formula::of::<M>,
+                cost: Formula::of::<M>(FloatFormat::F32).cost(),
                 f32: matrix::kernels::<M, f32>(),
                 f64: matrix::kernels::<M, f64>(),
                 flushing: matrix::flushing::<M>(),

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use trisect_catalog::Builder;
 use trisect_core::FloatFormat;
+use trisect_formula::Language;
 use trisect_method::{Form, Output};
 use trisect_render::Sampling;
 use trisect_studies::input::{Reading, Subjects};
@@ -56,6 +57,8 @@ pub(crate) enum Verb {
     Recommend(Recommend),
     /// Explain what a scene needs, what is left out for it, and what that gains
     Explain(Explain),
+    /// Write a method's kernel as C, WGSL, GLSL or Rust
+    Emit(Emit),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -304,6 +307,32 @@ pub(crate) struct Recommend {
     pub json: bool,
     #[command(flatten)]
     pub reading: Reading,
+}
+
+/// Write a method's kernel as a program of its own: C, WGSL, GLSL or Rust.
+///
+/// Preparation and test, with their source, what they promise and how to compile them, on standard output. C and Rust
+/// give the bits of this project's own kernels; docs/EMIT.md shows how they are used.
+#[derive(Debug, Args)]
+pub(crate) struct Emit {
+    /// A method of `trisect list`
+    #[arg(long, value_name = "NAME")]
+    pub method: String,
+    /// The language
+    #[arg(long, value_parser = named::<Language>())]
+    pub language: Language,
+    /// When to divide [default: deferred where the method has that, else early]
+    #[arg(long, value_parser = named::<Form>())]
+    pub division: Option<Form>,
+    /// What is asked of a hit [default: barycentrics where the method gives them, else t; occlusion of exact]
+    #[arg(long, value_parser = named::<Output>())]
+    pub needs: Option<Output>,
+    /// Floats; shaders have f32 alone
+    #[arg(long, default_value = "f32", value_parser = named::<FloatFormat>())]
+    pub precision: FloatFormat,
+    /// What every name begins with; the method's name if left out
+    #[arg(long, value_name = "NAME")]
+    pub prefix: Option<String>,
 }
 
 /// Render a scene to a picture: after Whitted, with ambient occlusion, or by tracing paths.

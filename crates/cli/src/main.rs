@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod emit;
 mod explain;
 mod list;
 mod output;
@@ -70,6 +71,7 @@ fn run(arguments: Arguments) -> Result<()> {
         Some(Verb::Render(arguments)) => render::run(&arguments),
         Some(Verb::Recommend(arguments)) => recommend::run(&arguments),
         Some(Verb::Explain(arguments)) => explain::run(&arguments),
+        Some(Verb::Emit(arguments)) => emit::run(&arguments),
         Some(Verb::Completions { shell }) => output::print(|out| {
             // Into memory first: the generator panics where it cannot write.
             let mut script = Vec::new();

@@ -351,6 +351,33 @@ fn arguments() {
 }
 
 #[test]
+fn kernels_that_cannot_be_written() {
+    refused(vec![
+        case(
+            "emit --method chirkov --language c --division early",
+            "chirkov has no early division: leave out --division, or ask for deferred",
+        ),
+        case(
+            "emit --method wald --language c --needs normal",
+            "wald does not give normal: ask for one of occlusion, t, barycentrics, point",
+        ),
+        case(
+            "emit --method exact --language wgsl --needs t",
+            "exact decides by a formula, but its values are computed beyond it: ask for occlusion, and for values \
+             use the library",
+        ),
+        case(
+            "emit --method wald --language wgsl --precision f64",
+            "wgsl has no f64 that is sure to be there: ask for f32",
+        ),
+        case(
+            "emit --method wald --language c --prefix my-wald",
+            "--prefix my-wald: no name in every language: use letters, digits and single underscores, a letter first",
+        ),
+    ]);
+}
+
+#[test]
 fn nothing_to_recommend() {
     refused(vec![
         case("explain none.toml", "none.toml: cannot be read (…); check the path"),

@@ -213,7 +213,7 @@ pub trait Float: Scalar + SimdFloatElement {
 }
 
 /// Implements [`Number`] and [`Lanes`] for a number of width 1 with operators and `PartialOrd`:
-/// floats here, exact and counting numbers elsewhere. The braces hold what is its own:
+/// floats here, exact numbers and others elsewhere. The braces hold what is its own:
 /// `reciprocal_estimate` and `xor_sign`.
 ///
 /// Arithmetic is plain: a fused multiply-add outside the instructions that have it is a library

@@ -2,8 +2,8 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The arithmetic that formulas use: floats, vectors of floats, exact rationals, and the number
-/// that counts its own operations.
+/// The arithmetic that formulas use: floats, vectors of floats, exact rationals, and numbers
+/// that record what is done to them.
 ///
 /// Whether [`mul_add`](Number::mul_add) rounds once or twice is the policy of the number type,
 /// never of the formula.

@@ -1,12 +1,14 @@
 //! What a method costs, counted from the very formula that runs.
 
-use crate::counting::{Counting, Ops, counted};
-use trisect_core::{Ray, Triangle, Vec3};
-use trisect_method::Method;
-use trisect_method::{Culling, Deferred, Division, Early, Interval, TrueDivision};
-use trisect_method::{Of, Record};
+use trisect_core::FloatFormat;
+use trisect_method::{Form, Method};
 
-/// Operations of each part of a method.
+use crate::formula::{Axis, Formula, Test};
+use crate::graph::{Graph, Node};
+use crate::ops::Ops;
+
+/// Operations of each part of a method. What is the same twice is counted once, and what nothing reads, or only a
+/// pair in a million, not at all.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cost {
     /// Finding a triangle's kind and preparing it.
@@ -25,74 +27,79 @@ pub struct Cost {
     pub ray_numbers: usize,
 }
 
-/// Counts the operations of method `M`, with the true division and without culling.
-///
-/// # Panics
-/// When `M` decides the sample pair wrongly.
+/// What method `M` costs with the true division and without culling.
 pub fn cost<M: Method>() -> Cost {
-    let number = Counting::data;
-    let vector = |x, y, z| Vec3::new(number(x), number(y), number(z));
-    let triangle =
-        Triangle::new(vector(0.0, 0.0, 1.0), vector(4.0, 0.0, 2.0), vector(0.0, 4.0, 3.0));
-    // Meets the triangle inside, at t = 2.75; longest along z, where a method that turns space
-    // leaves it.
-    let ray = |tmax| Ray {
-        o: vector(1.0, 1.0, -1.0),
-        d: vector(0.0, 0.0, 1.0),
-        tmin: number(0.0),
-        tmax: number(tmax),
-    };
-    let (prepare, (group, prepared)) = counted(|| {
-        let group = M::group(&triangle);
-        (group, M::prepare(&triangle, group))
-    });
-    // What is stored is data: a test that loads a 1 cannot leave out the product with it.
-    let prepared = M::Prepared::map(&prepared, |&number| number.into_data());
-    let (per_ray, prepared_ray) = counted(|| M::prepare_ray(&ray(4.0), group));
-    // The interval is made ready once per ray, outside the count.
-    let interval = |tmax| Interval { tmin: number(0.0), tmax: number(tmax) };
-    let test = |tmax, test: TestOf<M>| {
-        let mut hit = false;
-        let (ops, ()) = counted(|| test(&prepared_ray, &prepared, interval(tmax), &mut hit));
-        (ops, hit)
-    };
-    let test_early = M::INFO.forms.early().then(|| {
-        let (ops, hit) = test(4.0, run::<M, Early<TrueDivision, true>>);
-        assert!(hit, "the sample pair is decided wrongly");
-        ops
-    });
-    let deferred = M::INFO.forms.deferred().then(|| {
-        let (whole, hit) = test(4.0, run::<M, Deferred<TrueDivision, true>>);
-        // Everything but t is in range: the early-out falls after the last comparison.
-        let (decision, missed) = test(2.0, run::<M, Deferred<TrueDivision, true>>);
-        assert!(hit && !missed, "the sample pair is decided wrongly");
-        (decision, whole - decision)
-    });
-    Cost {
-        prepare,
-        per_ray,
-        test_early,
-        test_deferred: deferred.map(|(decision, _)| decision),
-        finish_deferred: deferred.map(|(_, finish)| finish),
-        stored_numbers: M::Prepared::NUMBERS,
-        ray_numbers: size_of::<M::PreparedRay<f32>>() / size_of::<f32>(),
+    Formula::of::<M>(FloatFormat::F32).cost()
+}
+
+impl Formula {
+    /// What its parts cost.
+    pub fn cost(&self) -> Cost {
+        let of_kind = match (&self.axis, self.turned) {
+            (Some(axis), Axis::OfTriangle | Axis::Kinds) => axis.usual_ops(),
+            _ => Ops::default(),
+        };
+        let early = self.test(Form::Early);
+        let deferred = self.test(Form::Deferred);
+        let per_ray = self.tests.last().map(Test::per_ray);
+        Cost {
+            prepare: of_kind + self.prepare.usual_ops(),
+            per_ray: per_ray.unwrap_or_default(),
+            test_early: early.map(|test| test.decision() + test.finish()),
+            test_deferred: deferred.map(Test::decision),
+            finish_deferred: deferred.map(Test::finish),
+            stored_numbers: self.prepare.outputs.len(),
+            ray_numbers: self.ray_numbers,
+        }
     }
 }
 
-type TestOf<M> = fn(
-    &<M as Method>::PreparedRay<Counting>,
-    &Of<<M as Method>::Prepared, Counting>,
-    Interval<Counting>,
-    &mut bool,
-);
+impl Graph {
+    /// The operations of a triangle that nothing special is true of.
+    fn usual_ops(&self) -> Ops {
+        let mut nodes = self.tree.usual_questions();
+        nodes.extend(self.tree.usual());
+        self.count(&self.needed(nodes), 0..self.ops.len())
+    }
+}
 
-fn run<M: Method, D: Division>(
-    ray: &M::PreparedRay<Counting>,
-    triangle: &Of<M::Prepared, Counting>,
-    interval: Interval<Counting>,
-    hit: &mut bool,
-) {
-    M::test::<Counting, D>(ray, triangle, interval, Culling::None, |mask, _| *hit = mask);
+impl Test {
+    /// The outputs that a hit is made of.
+    fn of_hit(&self) -> Vec<Node> {
+        ["hit", "open", "t", "beta", "gamma"].iter().filter_map(|name| self.graph.output(name)).collect()
+    }
+
+    /// The place after the decision.
+    fn decided(&self) -> usize {
+        let decisions = ["hit", "open"].iter().filter_map(|name| self.graph.output(name));
+        decisions.map(|node| node.place() + 1).max().unwrap_or(0)
+    }
+
+    /// Preparing a ray.
+    pub fn per_ray(&self) -> Ops {
+        self.graph.count(&self.graph.needed(self.of_hit()), self.ray.clone())
+    }
+
+    /// The test, until it is decided.
+    pub fn decision(&self) -> Ops {
+        self.graph.count(&self.graph.needed(self.of_hit()), self.ray.end..self.decided())
+    }
+
+    /// From the decision to the hit.
+    pub fn finish(&self) -> Ops {
+        let places = self.decided()..self.graph.ops.len();
+        self.graph.count(&self.graph.needed(self.of_hit()), places)
+    }
+
+    /// The test of one pair, to the decision or to the hit, where what depends on some inputs alone was computed before.
+    pub fn shared(&self, outputs: &[&str], is_shared: impl Fn(&str) -> bool) -> Ops {
+        let nodes = outputs.iter().filter_map(|name| self.graph.output(name));
+        let mut needed = self.graph.needed(nodes);
+        for (needed, hoisted) in needed.iter_mut().zip(self.graph.hoistable(is_shared)) {
+            *needed &= !hoisted;
+        }
+        self.graph.count(&needed, 0..self.graph.ops.len())
+    }
 }
 
 impl Cost {

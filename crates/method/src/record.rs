@@ -14,6 +14,8 @@ pub trait Record: 'static {
     type Of<X: Value>: Value;
     /// How many numbers.
     const NUMBERS: usize;
+    /// The names of the numbers, in order of declaration: of a vector `a` they are `a_x`, `a_y` and `a_z`.
+    fn names() -> Vec<String>;
     /// Applies `f` to each number, in order of declaration. `Copy`, since what is not is dropped when a call panics, and
     /// every kernel would be compiled for that.
     fn map<X: Value, Y: Value>(from: &Self::Of<X>, f: impl Fn(&X) -> Y + Copy) -> Self::Of<Y>;
@@ -44,6 +46,9 @@ pub fn rows<R: Record, X: Value, const N: usize>(
 impl Record for () {
     type Of<X: Value> = ();
     const NUMBERS: usize = 0;
+    fn names() -> Vec<String> {
+        Vec::new()
+    }
     #[inline(always)]
     fn map<X: Value, Y: Value>(_from: &(), _f: impl Fn(&X) -> Y + Copy) {}
     #[inline(always)]
@@ -56,6 +61,11 @@ impl Record for () {
 impl<A: Record, B: Record> Record for (A, B) {
     type Of<X: Value> = (A::Of<X>, B::Of<X>);
     const NUMBERS: usize = A::NUMBERS + B::NUMBERS;
+    fn names() -> Vec<String> {
+        let mut names = A::names();
+        names.extend(B::names());
+        names
+    }
     #[inline(always)]
     fn map<X: Value, Y: Value>(from: &Self::Of<X>, f: impl Fn(&X) -> Y + Copy) -> Self::Of<Y> {
         (A::map(&from.0, f), B::map(&from.1, f))
@@ -120,6 +130,11 @@ macro_rules! record {
         impl $crate::Record for $name<()> {
             type Of<X: $crate::Value> = $name<X>;
             const NUMBERS: usize = 0 $(+ $crate::record!(@count $kind))+;
+            fn names() -> Vec<String> {
+                let mut names = Vec::new();
+                $(names.extend($crate::record!(@names $kind stringify!($field)));)+
+                names
+            }
             #[inline(always)]
             fn map<X: $crate::Value, Y: $crate::Value>(
                 from: &$name<X>,
@@ -146,6 +161,8 @@ macro_rules! record {
         let _ = $w;
         $from
     }};
+    (@names vec3 $field:expr) => { ["_x", "_y", "_z"].map(|axis| String::from($field) + axis) };
+    (@names number $field:expr) => { [String::from($field)] };
     (@count vec3) => { 3 };
     (@count number) => { 1 };
     (@map vec3 $from:expr, $f:ident) => {

@@ -9,9 +9,6 @@ use trisect_method::Method;
 use crate::readme::Part;
 
 /// [`cost`] as the Markdown table that stands in a method's README.
-///
-/// # Panics
-/// As [`cost`].
 pub fn cost_table<M: Method>() -> String {
     let cost = cost::<M>();
     let mut table = format!(

@@ -15,7 +15,7 @@ mod truth;
 pub use cost::{cost_table, readme_cost_tables};
 pub use golden::golden_cases;
 pub use subject::Subject;
-pub use trisect_formula::{Cost, Counting, Ops, cost, counted};
+pub use trisect_formula::{Cost, Ops, cost};
 
 /// Stamps the tests that every method is held to, one `#[test]` per property: the properties of
 /// one ray and one triangle, and the lanes, in a module for each method of the crate; then the
