@@ -2,7 +2,7 @@
 Require Import List Reals Lra Lia.
 Import ListNotations.
 Require Import Trisect.Bound Trisect.Float Trisect.Norms.
-Require Trisect.Filter Trisect.Double Trisect.Slabs.
+Require Trisect.Filter Trisect.Hit Trisect.Double Trisect.Slabs.
 Open Scope R_scope.
 
 (** Ends of the interval are brought within this. *)
@@ -91,6 +91,14 @@ Proof.
   intros L A t Ht. destruct facts as (S & D & t' & _ & E & Only). rewrite (Only t Ht).
   rewrite Rmin_right in A by exact L.
   exact (Filter.after rnd u eta arithmetic precise wide v f reads fuse is_fast s _ t' S D E A).
+Qed.
+
+(** [t] of a hit lies between the numbers that it computes for who orders hits. *)
+Theorem filter_places_hits t : bound < Hit.NO_BOUND -> hits v t ->
+  Hit.low rnd u eta f fuse <= t <= Hit.high rnd u eta f fuse.
+Proof.
+  intros L (beta & gamma & M & P & Q & S).
+  exact (Hit.t_within rnd u eta arithmetic precise wide v f reads fuse is_fast t beta gamma M (conj P (conj Q S)) inside L).
 Qed.
 End Inside.
 End Kernel.
