@@ -171,3 +171,17 @@ fn a_box_is_met_in_each_of_its_sides_and_not_beside_them() {
     let nan = Vec3::new(f32::NAN, 0.0, 0.0);
     assert!(!meets_box(&Ray { o: nan, ..ray }, flat.0, flat.1));
 }
+
+#[test]
+#[allow(clippy::cast_precision_loss, reason = "whole numbers below 2¹⁸")]
+fn points_of_subnormal_coordinates_are_met() {
+    // `t` is 2⁻⁴⁵ on the dot, and the coordinates of the scene are too small to move planes by a part of them.
+    let unit = f32::from_bits(1);
+    for more in 0..100 {
+        let times = [1001_u32, 20_011, 180_001].map(|x| (x + 2 * more) as f32);
+        let point = Vec3::from(times.map(|x| x * unit));
+        let d = times.map(|x| x * 2.0_f32.powi(-104));
+        let ray = Ray::<f32>::new([0.0; 3], d);
+        assert!(meets_box(&ray, point, point), "{times:?}");
+    }
+}

@@ -35,6 +35,10 @@ pub(crate) const UNDERFLOW: f32 = 4.0 * f32::MIN_POSITIVE;
 /// anything: no distance overflows then.
 const LONGEST: f32 = (1_u128 << 100) as f32;
 
+/// Robust tests say nothing where all of the scene and the origin, or a coordinate of the direction that is used, is
+/// smaller than this: a margin of subnormal numbers rounds to nothing, and inverses of them are infinite.
+const SMALLEST: f32 = f32::MIN_POSITIVE;
+
 /// What is computed once per ray for the boxes.
 #[derive(Clone, Copy)]
 pub(crate) struct Slabs<L> {
@@ -92,8 +96,9 @@ impl<L: Lanes<Elem = f32>> Slabs<L> {
         }
         let from = o.largest_magnitude();
         let away = from + from.constant(reach);
-        let is_sure =
-            away.max(fastest).le(one.constant(LARGEST)) & away.le(fastest * one.constant(LONGEST));
+        let is_sure = away.max(fastest).le(one.constant(LARGEST))
+            & away.min(least).ge(one.constant(SMALLEST))
+            & away.le(fastest * one.constant(LONGEST));
         let nothing = one.constant(f32::NAN);
         let inverse = Vec3::new(
             L::select(is_sure, inverse.x, nothing),
