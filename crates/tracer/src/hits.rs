@@ -11,7 +11,7 @@ use trisect_method::{Culling, Interval, Place};
 
 use crate::dispatch::Tracing;
 use crate::hit::TriangleHit;
-use crate::lanes::{PlainLanes, has_fast_lanes, on_fast_lanes};
+use crate::lanes::{Job, PlainLanes, has_fast_lanes, on_fast_lanes};
 use crate::leaf::blocks::slot;
 use crate::leaf::erased::LeafData;
 use crate::leaf::query::end_after;
@@ -21,7 +21,7 @@ use crate::precision::{Entry, Precision, Real};
 use crate::query::Robust;
 use crate::traced::TracedIn;
 use crate::traverse::inspect::distinct;
-use crate::traverse::walk::Walk;
+use crate::traverse::walk::{Above, Walk};
 use crate::vectors::WIDTH;
 
 /// Which triangles count where a ray meets an edge or a corner that several of them share.
@@ -142,8 +142,23 @@ impl<'a, P: Real> Source<'a, P> {
         self.traced.leaves()
     }
 
-    /// Calls `take` for each block in which a ray may hit anything, until `end`, where its interval ends.
-    fn blocks(&self, ray: &Ray<P>, end: &Cell<P>, take: &mut dyn FnMut(&BlockHits<'_, P>)) {
+    /// Does something on the lanes of choice.
+    fn on_lanes<J: Job<Output: Default>>(&self, job: J) -> J::Output {
+        match self.lanes {
+            Some(plain) => plain.run(job),
+            None => on_fast_lanes(job).unwrap_or_default(),
+        }
+    }
+
+    /// Calls `take` for each block in which a ray may hit anything, until `end`, where its interval ends: near ones
+    /// first, or in no order where the ray is known to go [up](upwards).
+    fn blocks(
+        &self,
+        ray: &Ray<P>,
+        is_up: bool,
+        end: &Cell<P>,
+        take: &mut dyn FnMut(&BlockHits<'_, P>),
+    ) {
         let tree = self.traced.tree();
         let entry = P::enter(tree.frame.as_ref(), ray);
         self.leaves().reporter(self.lanes, self.culling, &mut |reporter| {
@@ -152,18 +167,16 @@ impl<'a, P: Real> Source<'a, P> {
                 Entry::Boxes(boxed, span) => (boxed, *span),
                 Entry::Everywhere => return reporter.report(ray, 0..self.leaves().count(), take),
             };
-            let walk = Walk {
-                tree,
-                ray: boxed,
-                leaf: &mut |blocks| {
-                    self.count_triangles(blocks.clone());
-                    reporter.report(ray, blocks, take);
-                    P::end(span, end.get())
-                },
+            let leaf = &mut |blocks: Range<usize>| {
+                self.count_triangles(blocks.clone());
+                reporter.report(ray, blocks, take);
+                P::end(span, end.get())
             };
-            let nodes = match self.lanes {
-                Some(plain) => plain.run(walk),
-                None => on_fast_lanes(walk).unwrap_or_default(),
+            // One that was moved to the scene may begin later.
+            let nodes = if is_up && boxed.tmin <= 0.0 {
+                self.on_lanes(Above { tree, point: boxed.o, leaf })
+            } else {
+                self.on_lanes(Walk { tree, ray: boxed, leaf })
             };
             if let Some(counted) = self.counted {
                 counted.update(|tests| Tests { nodes: tests.nodes + nodes, ..tests });
@@ -206,7 +219,7 @@ impl<'a, P: Real> Source<'a, P> {
     pub(crate) fn all(&self, ray: &Ray<P>, hits: &mut Vec<TriangleHit<P>>) {
         hits.clear();
         let (ray, exact) = (&as_tested(ray), self.leaves().exact());
-        self.blocks(ray, &Cell::new(ray.tmax), &mut |block| {
+        self.blocks(ray, false, &Cell::new(ray.tmax), &mut |block| {
             hits.extend(lanes(self.met(exact, ray, block)).map(|lane| found(block, lane)));
         });
         if let Some(exact) = exact {
@@ -243,7 +256,7 @@ impl<'a, P: Real> Source<'a, P> {
     pub(crate) fn count(&self, ray: &Ray<P>) -> u32 {
         let (ray, exact) = (&as_tested(ray), self.leaves().exact());
         Tally::with(|tally| {
-            self.blocks(ray, &Cell::new(ray.tmax), &mut |block| {
+            self.blocks(ray, false, &Cell::new(ray.tmax), &mut |block| {
                 tally.add(block, self.met(exact, ray, block));
             });
         })
@@ -258,7 +271,7 @@ impl<'a, P: Real> Source<'a, P> {
         let (ray, exact) = (&as_tested(ray), self.leaves().exact());
         let (mut best, mut best_slot) = (TriangleHit::NONE, 0);
         let end = Cell::new(ray.tmax);
-        self.blocks(ray, &end, &mut |block| {
+        self.blocks(ray, false, &end, &mut |block| {
             let mut others = [TriangleHit::NONE; WIDTH];
             let mut count = 0;
             for lane in lanes(self.met(exact, ray, block)) {
@@ -300,7 +313,7 @@ impl<'a, P: Real> Source<'a, P> {
         let ray = &as_tested(&upwards(point));
         let (end, mut is_on) = (Cell::new(ray.tmax), false);
         let crossings = Tally::with(|tally| {
-            self.blocks(ray, &end, &mut |block| {
+            self.blocks(ray, true, &end, &mut |block| {
                 let is_at = |lane| exact.is_on(point, slot(block.at, lane));
                 if is_on || lanes(block.open).any(is_at) {
                     is_on = true;

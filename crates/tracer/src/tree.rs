@@ -19,6 +19,7 @@ use crate::lanes::PlainLanes;
 use crate::parallel::fill;
 use crate::precision::Precision;
 use crate::query::HasClosest;
+use crate::rays::reorder::of_columns;
 use crate::traced::{self, Built, TracedIn};
 use crate::traverse::inspect::{self, Counted};
 use crate::vectors::WIDTH;
@@ -165,7 +166,17 @@ pub trait Tree<P: Precision = f32>: Any + Send + Sync {
         let nan = P::from_f64(f64::NAN);
         // Whether the method is exact does not depend on the point.
         self.contains(Vec3::new(nan, nan, nan))?;
-        each(&|_, point| self.contains(*point).unwrap_or(Place::Outside), points, places);
+        assert_room(points, places);
+        for (points, places) in points.chunks(POINTS).zip(places.chunks_mut(POINTS)) {
+            let order = of_columns(points);
+            let mut found = vec![Place::Outside; points.len()];
+            let place =
+                |_: usize, &at: &u32| self.contains(points[at as usize]).unwrap_or(Place::Outside);
+            each(&place, &order, &mut found);
+            for (at, place) in order.into_iter().zip(found) {
+                places[at as usize] = place;
+            }
+        }
         Ok(())
     }
 
@@ -304,6 +315,9 @@ impl<M: Method> ScalarBvh<M> {
         Ok(Self { traced, method: PhantomData })
     }
 }
+
+/// Points that are put in order together: enough that neighbours share what is above them.
+const POINTS: usize = 1 << 18;
 
 /// Computes what is asked of each ray or point, on the threads of the pool that it is called in.
 fn each<I: Sync, X: Send>(of: &(dyn Fn(usize, &I) -> X + Sync), inputs: &[I], found: &mut [X]) {

@@ -4,16 +4,16 @@
 
 use std::ops::Range;
 
-use trisect_core::{Lanes, Ray, Token as _};
+use trisect_core::{Lanes, Ray, Token as _, Vec3};
 use trisect_method::Interval;
 
-use super::single::descend;
+use super::single::{descend, lowest};
 use super::stack::{self, Stack};
 use crate::bvh::node::{Child, child};
 use crate::bvh::wide::WideTree;
 use crate::lanes::Job;
 use crate::query::Robust;
-use crate::rays::slabs::{Slabs, moves};
+use crate::rays::slabs::{Slabs, moves, outwards};
 use crate::vectors::WIDTH;
 
 /// Visits the leaves that a ray may meet; how many nodes it visits.
@@ -33,6 +33,60 @@ impl Job for Walk<'_> {
             || {
                 stack::declare_room!(items, stack::room(self.tree.depth));
                 walk::<L>(token, self, 0.0, items)
+            },
+        )
+    }
+}
+
+/// Visits the leaves that may be above a point, along the last axis, in no order; how many nodes it visits.
+///
+/// A ray along an axis meets a box where their extents overlap: no distance is computed, and nothing rounds but the
+/// margin, which is that of [`Slabs`]. What is infinite or NaN is above nothing.
+pub(crate) struct Above<'a> {
+    pub(crate) tree: &'a WideTree,
+    pub(crate) point: Vec3<f32>,
+    /// As that of [`Walk`]; nothing more is visited once the interval ends below zero.
+    pub(crate) leaf: &'a mut dyn FnMut(Range<usize>) -> f32,
+}
+
+impl Job for Above<'_> {
+    type Output = usize;
+
+    fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> usize {
+        token.run(
+            #[inline(always)]
+            || {
+                let Self { tree, point, leaf } = self;
+                stack::declare_room!(items, stack::room(tree.depth));
+                let by = outwards(tree.reach, point.largest_magnitude());
+                let at = |x: f32| L::splat(token, x);
+                let (low, high) = (point.map(|x| at(x - by)), point.map(|x| at(x + by)));
+                let mut waiting = Stack::new(items);
+                waiting.push(stack::key(0.0, 0));
+                let mut visited = 0;
+                while let Some(item) = waiting.pop() {
+                    let at = match child(stack::item(item)) {
+                        Child::Node(at) => at,
+                        Child::Leaf(first, count) if leaf(first..first + count) < 0.0 => break,
+                        Child::Leaf(..) => continue,
+                    };
+                    visited += 1;
+                    let node = &tree.nodes[at];
+                    let (mut met, mut lane) = (0, 0);
+                    while lane < WIDTH {
+                        let from = node.planes::<L>(token, [0; 3], lane);
+                        let to = node.planes::<L>(token, [1; 3], lane);
+                        let is_along = from.x.le(high.x) & low.x.le(to.x);
+                        let is_across = from.y.le(high.y) & low.y.le(to.y);
+                        met |= L::bits(is_along & is_across & low.z.le(to.z)) << lane;
+                        lane += L::N;
+                    }
+                    while met != 0 {
+                        waiting.push(stack::key(0.0, node.children[lowest(met)]));
+                        met &= met - 1;
+                    }
+                }
+                visited
             },
         )
     }
