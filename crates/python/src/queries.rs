@@ -117,7 +117,7 @@ pub(crate) fn places<X: Number>(
     points: &[[X; 3]],
     mut take: impl FnMut(usize, Place),
 ) -> Result<(), NotExact> {
-    let (mut done, mut count) = (0, FEW);
+    let (mut done, mut count) = (0, 1);
     while done < points.len() && sight.lasts() {
         let end = points.len().min(done + count);
         let start = Instant::now();

@@ -16,7 +16,7 @@ use crate::hit::{MaybeHit, TriangleHit};
 use crate::hits::{AllHits, Crossings, NotExact, Source, Verdict, all_of, lanes_of};
 use crate::instances::Extent;
 use crate::lanes::PlainLanes;
-use crate::parallel::fill;
+use crate::parallel::{self, PART, Task, fill};
 use crate::precision::Precision;
 use crate::query::HasClosest;
 use crate::rays::reorder::of_columns;
@@ -155,6 +155,17 @@ pub trait Tree<P: Precision = f32>: Any + Send + Sync {
         each(&of, rays, found);
     }
 
+    /// [`contains`](Tree::contains) of each point, by the calling thread: quicker where neighbours are near each other.
+    ///
+    /// # Errors
+    /// When the method is not exact.
+    fn contains_each(&self, points: &[Vec3<P>], places: &mut [Place]) -> Result<(), NotExact> {
+        for (point, place) in points.iter().zip(places) {
+            *place = self.contains(*point)?;
+        }
+        Ok(())
+    }
+
     /// [`contains`](Tree::contains) of each point, on the threads of the pool that it is called in.
     ///
     /// # Errors
@@ -169,10 +180,12 @@ pub trait Tree<P: Precision = f32>: Any + Send + Sync {
         assert_room(points, places);
         for (points, places) in points.chunks(POINTS).zip(places.chunks_mut(POINTS)) {
             let order = of_columns(points);
+            let asked: Vec<Vec3<P>> = order.iter().map(|&at| points[at as usize]).collect();
             let mut found = vec![Place::Outside; points.len()];
-            let place =
-                |_: usize, &at: &u32| self.contains(points[at as usize]).unwrap_or(Place::Outside);
-            each(&place, &order, &mut found);
+            let parts = asked.chunks(PART).zip(found.chunks_mut(PART));
+            parallel::all(parts.map(|(asked, found)| -> Task<'_> {
+                Box::new(move || self.contains_each(asked, found).unwrap_or_default())
+            }));
             for (at, place) in order.into_iter().zip(found) {
                 places[at as usize] = place;
             }
@@ -424,9 +437,15 @@ macro_rules! hits {
         }
 
         fn contains(&self, point: Vec3<$p>) -> Result<Place, NotExact> {
+            let mut place = Place::Outside;
+            self.contains_each(&[point], from_mut(&mut place))?;
+            Ok(place)
+        }
+
+        fn contains_each(&self, points: &[Vec3<$p>], places: &mut [Place]) -> Result<(), NotExact> {
             let (traced, lanes) = (&*self.traced, $lanes(Tracing::Single));
             let (culling, crossings) = (Culling::None, Crossings::Owned);
-            Source { traced, lanes, culling, crossings, counted: None }.place(point)
+            Source { traced, lanes, culling, crossings, counted: None }.places(points, places)
         }
     };
 }
