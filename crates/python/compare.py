@@ -1,4 +1,4 @@
-"""trisect against trimesh with embreex, open3d and libigl: wrong answers, and speed.
+"""trisect against trimesh with embreex, open3d, libigl, fcpw and vtk: wrong answers, and speed.
 
     python compare.py [--output FILE.json] [--quick]
 
@@ -151,6 +151,81 @@ class Igl:
         return self.igl.fast_winding_number(*self.mesh, np.asfortranarray(points)) > 0.5
 
 
+class Fcpw:
+    def __init__(self, vertices, faces):
+        import fcpw
+
+        self.fcpw, self.scene = fcpw, fcpw.scene_3D()
+        self.scene.set_object_count(1)
+        self.scene.set_object_vertices(np.ascontiguousarray(vertices, np.float32), 0)
+        self.scene.set_object_triangles(np.ascontiguousarray(faces, np.int32), 0)
+        # By the surface area heuristic, for SIMD.
+        self.scene.build(fcpw.aggregate_type.bvh_surface_area, True, False, False)
+
+    def _hits(self, origins, directions, is_occlusion):
+        origins, directions = np.float32(origins), np.float32(directions)
+        # Directions are of unit length.
+        directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
+        ends, found = np.full(len(origins), np.inf, np.float32), self.fcpw.interaction_3D_list()
+        self.scene.intersect(origins, directions, ends, found, is_occlusion)
+        return found
+
+    def first(self, origins, directions):
+        # That of no hit is −1, as an unsigned number where it is one.
+        found = self._hits(origins, directions, False)
+        return np.fromiter((hit.primitive_index for hit in found), np.int64, len(found)).astype(np.int32)
+
+    def contains(self, points):
+        inside = self.fcpw.uint32_list()
+        self.scene.contains(np.float32(points), inside)
+        return np.array(inside, bool)
+
+
+class Vtk:
+    """One ray at a time, as lines of some length."""
+
+    is_slow = True
+
+    def __init__(self, vertices, faces):
+        import vtk
+        from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+
+        points, cells, self.mesh = vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkPolyData()
+        points.SetData(numpy_to_vtk(np.ascontiguousarray(vertices, np.float64), deep=True))
+        cells.SetData(3, numpy_to_vtkIdTypeArray(np.ascontiguousarray(faces, np.int64).ravel(), deep=True))
+        self.mesh.SetPoints(points)
+        self.mesh.SetPolys(cells)
+        self.vtk, self.tree = vtk, vtk.vtkStaticCellLocator()
+        self.tree.SetDataSet(self.mesh)
+        self.tree.BuildLocator()
+        self.low, self.high = vertices.min(axis=0), vertices.max(axis=0)
+
+    def first(self, origins, directions):
+        t, where, weights = self.vtk.reference(0.0), [0.0] * 3, [0.0] * 3
+        part, cell = self.vtk.reference(0), self.vtk.reference(0)
+        # Each line ends beyond the mesh.
+        farthest = np.maximum(np.abs(self.low - origins), np.abs(self.high - origins)).sum(axis=1)
+        ends = origins + directions * (farthest / np.abs(directions).max(axis=1))[:, None]
+        found = np.full(len(origins), -1, np.int32)
+        for ray, (start, end) in enumerate(zip(origins.tolist(), ends.tolist())):
+            if self.tree.IntersectWithLine(start, end, 0.0, t, where, weights, part, cell):
+                found[ray] = cell.get()
+        return found
+
+    def contains(self, points):
+        from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+
+        asked, of = self.vtk.vtkPolyData(), self.vtk.vtkPoints()
+        of.SetData(numpy_to_vtk(np.ascontiguousarray(points, np.float64), deep=True))
+        asked.SetPoints(of)
+        select = self.vtk.vtkSelectEnclosedPoints()
+        select.SetInputData(asked)
+        select.SetSurfaceData(self.mesh)
+        select.SetTolerance(0.0)
+        select.Update()
+        return vtk_to_numpy(select.GetOutput().GetPointData().GetArray("SelectedPoints")) > 0
+
+
 def library(name):
     libraries = {
         "trisect": Trisect,
@@ -160,11 +235,14 @@ def library(name):
         "trimesh + embreex": Trimesh,
         "open3d": Open3d,
         "libigl": Igl,
+        "fcpw": Fcpw,
+        "vtk": Vtk,
     }
     return libraries[name]
 
 
 LIBRARIES = ["trisect", "trisect f32", "trisect f32 fast", "embreex", "trimesh + embreex", "open3d", "libigl"]
+LIBRARIES += ["fcpw", "vtk"]
 
 
 def can(peer, query):
@@ -332,8 +410,10 @@ def speeds(names, rounds, size):
             for name, peer in peers.items():
                 if not can(peer, method):
                     continue
-                in_f64 = name in ("trisect", "libigl", "trimesh + embreex")
+                in_f64 = name in ("trisect", "libigl", "trimesh + embreex", "vtk")
                 given = (points,) if rays is None else (coherent, incoherent)[rays] if in_f64 else single[rays]
+                # Of a loop in Python a part is enough.
+                given = tuple(array[::50] for array in given) if hasattr(peer, "is_slow") else given
                 start = time.perf_counter()
                 getattr(peer, method)(*given)
                 rate = len(given[0]) / (time.perf_counter() - start) / 1e6
@@ -371,7 +451,7 @@ def main():
         "python": platform.python_version(),
         "versions": {
             name: metadata.version(name)
-            for name in ("trisect", "numpy", "trimesh", "embreex", "open3d", "libigl")
+            for name in ("trisect", "numpy", "trimesh", "embreex", "open3d", "libigl", "fcpw", "vtk")
             if any(dist.name == name for dist in metadata.distributions(name=name))
         },
     }

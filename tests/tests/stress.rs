@@ -9,7 +9,7 @@ use trisect_studies::stress::{
     ByCondition, Clause, Contract, Limits, SpecialValues, Stability, Stages, StressFamily,
     SurfaceCracks,
 };
-use trisect_studies::{Silent, Study as _};
+use trisect_studies::{Shard, Silent, Study as _, merge};
 
 /// Tests of hostile input, of which CI has time for so many.
 const FUZZ: u64 = 20_000_000;
@@ -165,6 +165,27 @@ fn the_study_does_not_depend_on_the_number_of_threads() {
         pool.install(|| study(few()).lines)
     };
     assert_eq!(of_threads(1), of_threads(3));
+}
+
+/// Of any part, and of lines that several shards make together.
+#[test]
+fn shards_are_the_whole_study() {
+    let few = || Stability {
+        pairs: 8,
+        probes: 4,
+        crack_rays: 100,
+        watertight_rays: 1_000,
+        fuzz: 300_000,
+        exact: 200_000,
+        ..nothing(&["wald", "watertight", "exact"])
+    };
+    let shard = |index| {
+        let shard = Some(Shard { index, count: 3 });
+        let records = few().record_shard(String::new(), shard, &mut Silent);
+        (index.to_string(), records.expect("nothing is timed"))
+    };
+    let merged = merge([3, 1, 2].map(shard).into()).expect("they are all shards of one study");
+    assert_eq!(merged.lines, study(few()).lines);
 }
 
 /// The scalar kernels over a number that flushes, against themselves where nothing is subnormal.

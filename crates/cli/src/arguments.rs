@@ -11,7 +11,7 @@ use trisect_formula::Language;
 use trisect_method::{Form, Output};
 use trisect_render::Sampling;
 use trisect_studies::input::{Reading, Subjects};
-use trisect_studies::{Choice, comparison};
+use trisect_studies::{Choice, Shard, comparison};
 
 pub(crate) use values::{Cull, Light, Width};
 use values::{builders, named, positive};
@@ -37,6 +37,8 @@ pub(crate) enum Verb {
     List(List),
     /// Measure and write records
     Measure(Measure),
+    /// Merge the shards of a record into that of one run
+    Merge(Merge),
     /// Rank the variants of a record by speed
     Rank(Rank),
     /// Compare two records: two machines, or two commits
@@ -84,6 +86,21 @@ pub(crate) struct Compare {
 pub(crate) struct Measure {
     #[command(flatten)]
     pub settings: comparison::Settings,
+    /// File for the record; standard output if left out
+    #[arg(long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Only share I of N, from 1; `trisect merge` makes the record of one run of all
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+}
+
+/// Merge the shards of a record, which several machines have taken with --shard, into that of one run: the same lines,
+/// but for times.
+#[derive(Debug, Args)]
+pub(crate) struct Merge {
+    /// All shards, in any order
+    #[arg(value_name = "SHARD", required = true)]
+    pub shards: Vec<PathBuf>,
     /// File for the record; standard output if left out
     #[arg(long, value_name = "FILE")]
     pub output: Option<PathBuf>,

@@ -61,6 +61,7 @@ fn run(arguments: Arguments) -> Result<()> {
         None => studies::compare(&arguments.compare),
         Some(Verb::List(arguments)) => list::run(&arguments),
         Some(Verb::Measure(arguments)) => studies::measure(&arguments),
+        Some(Verb::Merge(arguments)) => records::merge(&arguments),
         Some(Verb::Rank(arguments)) => records::rank(&arguments),
         Some(Verb::Cmp(arguments)) => records::compare(&arguments),
         Some(Verb::Report(arguments)) => records::report(&arguments),

@@ -10,10 +10,27 @@ use trisect_studies::comparison::{self, Filter, Throughput};
 use trisect_studies::file::Files;
 use trisect_studies::record::Records;
 
-use crate::arguments::{Cmp, Rank, Report};
+use crate::arguments::{Cmp, Merge, Rank, Report};
 use crate::output::{self, COLUMNS, show};
 use crate::publish::{check, tell};
-use crate::studies::read;
+use crate::studies::{read, write};
+
+pub(crate) fn merge(arguments: &Merge) -> Result<()> {
+    let mut shards = Vec::new();
+    for path in &arguments.shards {
+        shards.push((path.display().to_string(), read(path)?));
+    }
+    let processors: BTreeSet<&str> =
+        shards.iter().map(|(_, shard)| shard.header.machine.cpu.as_str()).collect();
+    if processors.len() > 1 {
+        let all = processors.into_iter().collect::<Vec<_>>().join(", ");
+        output::say(format_args!("the times are those of different processors: {all}"));
+    }
+    if let Some(file) = &arguments.output {
+        output::check_file(file)?;
+    }
+    write(&trisect_studies::merge(shards)?, arguments.output.as_deref())
+}
 
 pub(crate) fn rank(arguments: &Rank) -> Result<()> {
     let records = read(&arguments.record)?;

@@ -8,7 +8,7 @@ use clap::Args;
 use trisect_studies::comparison::Comparison;
 use trisect_studies::record::Records;
 use trisect_studies::stress::{self, Stability, exactness_summary};
-use trisect_studies::{Chapter, Choice, Study, StudyError, StudyVisitor, file};
+use trisect_studies::{Chapter, Choice, Shard, Study, StudyError, StudyVisitor, file};
 
 use crate::arguments::{Compare, Measure};
 use crate::output;
@@ -29,6 +29,9 @@ pub(crate) struct Published {
 /// Takes a study, publishes its record and its page, and prints its summary.
 pub(crate) fn run(choice: &Choice<Published>) -> Result<()> {
     match choice {
+        Choice::Stress(asked) if asked.settings.shard.is_some() => {
+            take_shard(&asked.settings, &asked.more.output)
+        }
         Choice::Stress(asked) if asked.settings.exact.is_some() => {
             hold_to_exactness(&asked.settings, asked.more.json)
         }
@@ -63,11 +66,31 @@ pub(crate) fn measure(arguments: &Measure) -> Result<()> {
     if let Some(file) = &arguments.output {
         output::check_file(file)?;
     }
-    let records = study.record(command(), &mut Bar::new())?;
-    match &arguments.output {
+    let shard = arguments.shard;
+    let records = study.record_shard(command_of(shard), shard, &mut Bar::new())?;
+    write(&records, arguments.output.as_deref())
+}
+
+/// Writes a record to a file, or else prints it.
+pub(crate) fn write(records: &Records, file: Option<&Path>) -> Result<()> {
+    match file {
         Some(file) => Ok(file::replace(file, |out| records.write(out))?),
         None => output::print(|out| records.write(out)),
     }
+}
+
+/// Takes a share of the study of stiff cases: its record alone.
+fn take_shard(settings: &stress::Settings, folder: &Path) -> Result<()> {
+    let study = Stability::plan(settings, &say)?;
+    output::check_folder(folder)?;
+    let shard = settings.shard;
+    let records = study.record_shard(command_of(shard), shard, &mut Bar::new())?;
+    let name =
+        shard.map_or_else(|| Stability::ABOUT.record.to_owned(), |shard| shard.file("stress"));
+    let file = folder.join(name);
+    write(&records, Some(&file))?;
+    output::say(format_args!("record  {}", file.display()));
+    Ok(())
 }
 
 /// Nothing but methods that claim to be exact against the oracle.
@@ -90,6 +113,23 @@ pub(crate) fn say(line: &dyn Display) {
 pub(crate) fn command() -> String {
     let arguments = std::env::args().skip(1);
     std::iter::once("trisect".to_owned()).chain(arguments).collect::<Vec<_>>().join(" ")
+}
+
+/// The same of all shards of a record: without which it is, and without where it goes.
+fn command_of(shard: Option<Shard>) -> String {
+    if shard.is_none() {
+        return command();
+    }
+    let (mut kept, mut is_value) = (vec!["trisect".to_owned()], false);
+    for argument in std::env::args().skip(1) {
+        let name = argument.split('=').next().unwrap_or_default();
+        let is_left_out = matches!(name, "--shard" | "--output");
+        if !is_left_out && !is_value {
+            kept.push(argument.clone());
+        }
+        is_value = is_left_out && !argument.contains('=');
+    }
+    kept.join(" ")
 }
 
 /// Reads a record.

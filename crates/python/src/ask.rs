@@ -63,6 +63,11 @@ impl<'py, X: Number> Borrowed<'py, X> {
     }
 }
 
+/// The rows of an array that has them one after another.
+fn in_rows<'a, X: Number>(array: &ArrayView2<'a, X>) -> Option<&'a [[X; 3]]> {
+    Some(array.to_slice()?.as_chunks().0)
+}
+
 impl<X: Number> Rays<'_, X> {
     pub(crate) fn len(&self) -> usize {
         self.origins.nrows()
@@ -70,6 +75,13 @@ impl<X: Number> Rays<'_, X> {
 
     /// Some of the rays.
     pub(crate) fn gather(&self, range: Range<usize>) -> Vec<Ray<X>> {
+        // As most are: row by row, one after another.
+        if let (Some(o), Some(d), None, None) =
+            (in_rows(&self.origins), in_rows(&self.directions), self.tmin, self.tmax)
+        {
+            let rays = o[range.clone()].iter().zip(&d[range]);
+            return rays.map(|(&o, &d)| Ray::new(o, d)).collect();
+        }
         let row =
             |array: &ArrayView2<X>, at| Vec3::new(array[[at, 0]], array[[at, 1]], array[[at, 2]]);
         let ray = |at| Ray {

@@ -1,8 +1,10 @@
 //! What is asked of a scene, a part of the rays at a time.
 
+use std::time::{Duration, Instant};
+
 use numpy::Element;
 use trisect::core::Ray;
-use trisect::{NotExact, Place, Precision, Scene};
+use trisect::{Hit, NotExact, Place, Precision, Scene};
 
 use crate::ask::Sight;
 
@@ -14,6 +16,11 @@ impl Number for f64 {}
 
 /// A hit: the triangle, `t`, and the weights of its second and third corners.
 pub(crate) type Found<X> = (u32, X, X, X);
+
+/// A hit in numbers.
+pub(crate) fn found<X: Number>(hit: &Hit<X>) -> Found<X> {
+    (hit.triangle, hit.t, hit.beta, hit.gamma)
+}
 
 /// Fewer rays than these are traced one by one, where they are: the answers are the same, and no thread is woken.
 pub(crate) const FEW: usize = 64;
@@ -41,7 +48,7 @@ pub(crate) fn first<X: Number>(
         view.first_of(rays, &mut hits);
     }
     for (at, hit) in hits.into_iter().enumerate() {
-        take(at, hit.map(|hit| (hit.triangle, hit.t, hit.beta, hit.gamma)));
+        take(at, hit.as_ref().map(found));
     }
 }
 
@@ -67,14 +74,16 @@ pub(crate) fn all<X: Number>(
     scene: &Scene<X>,
     sight: Sight,
     rays: &[Ray<X>],
-    mut take: impl FnMut(&mut dyn Iterator<Item = Found<X>>),
+    mut take: impl FnMut(&[Hit<X>]),
 ) {
     let view = scene.seen(sight.culling).crossings(sight.crossings);
     let mut hits = vec![];
     for ray in rays.iter().take_while(|_| sight.lasts()) {
         view.all(ray, &mut hits);
-        let seen = hits.iter().filter(|hit| sight.sees(hit.triangle));
-        take(&mut seen.map(|hit| (hit.triangle, hit.t, hit.beta, hit.gamma)));
+        if sight.mask.is_some() {
+            hits.retain(|hit| sight.sees(hit.triangle));
+        }
+        take(&hits);
     }
 }
 
@@ -108,8 +117,20 @@ pub(crate) fn places<X: Number>(
     points: &[[X; 3]],
     mut take: impl FnMut(usize, Place),
 ) -> Result<(), NotExact> {
-    for (at, &point) in points.iter().enumerate().take_while(|_| sight.lasts()) {
-        take(at, scene.contains(point)?);
+    let (mut done, mut count) = (0, 1);
+    while done < points.len() && sight.lasts() {
+        let end = points.len().min(done + count);
+        let start = Instant::now();
+        let placed = scene.contains_of(&points[done..end])?;
+        placed.into_iter().enumerate().for_each(|(at, place)| take(done + at, place));
+        // The more there are the quicker each is; but one who waits is not to wait long.
+        if start.elapsed() < SHORT {
+            count *= 16;
+        }
+        done = end;
     }
     Ok(())
 }
+
+/// Work that takes no longer may be sixteen times as much.
+const SHORT: Duration = Duration::from_millis(3);

@@ -6,12 +6,12 @@ use std::sync::{Arc, Mutex, PoisonError, RwLock};
 use numpy::ndarray::ArrayView2;
 use numpy::{
     PyArray1, PyArray2, PyArrayDescr, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
-    PyReadwriteArray1, dtype,
+    PyReadonlyArray3, PyReadwriteArray1, PyUntypedArrayMethods, dtype,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use trisect::{Culling, NotExact, Place, Scene, SceneError, SceneOptions, UpdateError};
+use trisect::{Culling, NotExact, Place, Scene, SceneError, SceneOptions, Transform, UpdateError};
 
 use crate::ask::{Borrowed, PyHow, PyRays, Rays, Sight, crossings, culling};
 use crate::queries::{self, FEW, Found, Number};
@@ -25,11 +25,13 @@ struct How {
     threads: Option<usize>,
 }
 
-/// A scene in one precision, and the mesh that it is made of.
+/// A scene in one precision, and the mesh that it is made of; none where it is made of instances.
 struct Built<X: Number> {
-    scene: Scene<X>,
+    /// Shared with scenes that it is placed in.
+    scene: Arc<Scene<X>>,
     vertices: Vec<[X; 3]>,
     faces: Arc<[[u32; 3]]>,
+    triangles: usize,
 }
 
 enum State {
@@ -85,6 +87,48 @@ impl RawScene {
         Ok(Self { state: RwLock::new(Arc::new(state)), how })
     }
 
+    /// A scene of scenes, each placed by the rows of a matrix: as many of either.
+    #[staticmethod]
+    fn instances(
+        py: Python,
+        scenes: Vec<Py<Self>>,
+        transforms: PyReadonlyArray3<f32>,
+        threads: Option<usize>,
+    ) -> PyResult<Self> {
+        let transforms = rows_of(&transforms)?;
+        same(scenes.len(), &[transforms.len()])?;
+        let mut placed = vec![];
+        for (scene, transform) in scenes.iter().zip(transforms) {
+            match &*scene.get().state() {
+                State::F32(built) => placed.push((Arc::clone(&built.scene), transform)),
+                State::F64(_) => return Err(PyValueError::new_err("instances are in float32")),
+            }
+        }
+        let triangles = scenes.iter().map(|scene| scene.get().triangles()).sum();
+        let mut methods = scenes.iter().map(|scene| scene.get().method());
+        let method = methods.next().unwrap_or("exact");
+        let method = if methods.all(|other| other == method) { method } else { "mixed" };
+        let how = How { method: method.to_owned(), is_moving: false, threads };
+        let scene = run::within(py, threads, || Scene::instances(&placed))?.map_err(amiss)?;
+        let (scene, faces) = (Arc::new(scene), Arc::from([[0; 3]; 0]));
+        let state = State::F32(Built { scene, vertices: vec![], faces, triangles });
+        Ok(Self { state: RwLock::new(Arc::new(state)), how })
+    }
+
+    /// Moves the instances; whether that can be: not where another scene shares them.
+    fn set_transforms(&self, py: Python, transforms: PyReadonlyArray3<f32>) -> PyResult<bool> {
+        let transforms = rows_of(&transforms)?;
+        let set = || {
+            let mut state = self.state.write().unwrap_or_else(PoisonError::into_inner);
+            let scene = match Arc::get_mut(&mut state) {
+                Some(State::F32(built)) => Arc::get_mut(&mut built.scene),
+                _ => None,
+            };
+            scene.map(|scene| scene.set_transforms(&transforms)).transpose()
+        };
+        Ok(run::within(py, self.how.threads, set)?.map_err(amiss)?.is_some())
+    }
+
     /// A copy, which answers as this one does until either is moved.
     fn copy(&self) -> Self {
         Self { state: RwLock::new(self.state()), how: self.how.clone() }
@@ -131,7 +175,7 @@ impl RawScene {
 
     #[getter]
     fn triangles(&self) -> usize {
-        either!(&*self.state(), built => built.faces.len())
+        either!(&*self.state(), built => built.triangles)
     }
 
     #[getter]
@@ -240,7 +284,7 @@ impl RawScene {
         let fit = || {
             let mut state = self.state.write().unwrap_or_else(PoisonError::into_inner);
             match Arc::get_mut(&mut state).and_then(built) {
-                Some(built) => built.fit(&vertices).map(|()| true),
+                Some(built) => built.fit(&vertices),
                 None => Ok(false),
             }
         };
@@ -284,17 +328,20 @@ impl<X: Number> Built<X> {
     fn new(py: Python, how: &How, vertices: Vec<[X; 3]>, faces: Arc<[[u32; 3]]>) -> PyResult<Self> {
         let options = how.options()?;
         let build = move || -> Result<Self, SceneError> {
-            let scene = options.build(&vertices, &faces)?;
-            Ok(Self { scene, vertices, faces })
+            let scene = Arc::new(options.build(&vertices, &faces)?);
+            let triangles = faces.len();
+            Ok(Self { scene, vertices, faces, triangles })
         };
         run::apart(py, how.threads, build)?.map_err(amiss)
     }
 
-    /// Fits the tree to vertices that have moved, or builds it anew where it is worn.
-    fn fit(&mut self, vertices: &[[X; 3]]) -> Result<(), UpdateError> {
-        self.scene.update(vertices)?;
+    /// Fits the tree to vertices that have moved, or builds it anew where it is worn; whether that can be: not where it is
+    /// placed in another scene.
+    fn fit(&mut self, vertices: &[[X; 3]]) -> Result<bool, UpdateError> {
+        let Some(scene) = Arc::get_mut(&mut self.scene) else { return Ok(false) };
+        scene.update(vertices)?;
         self.vertices.copy_from_slice(vertices);
-        Ok(())
+        Ok(true)
     }
 
     fn points(
@@ -335,7 +382,7 @@ impl<X: Number> Built<X> {
         let (triangle, t) = (triangle.as_slice_mut()?, t.as_slice_mut()?);
         let (u, v) = (u.as_slice_mut()?, v.as_slice_mut()?);
         same(rays.len(), &[triangle.len(), t.len(), u.len(), v.len()])?;
-        let (sight, size) = (sight(watch, how, "every")?, size(watch, rays.len())?);
+        let (sight, size) = (sight(watch, how, "every")?, size(watch, rays.len(), BATCH)?);
         let places = triangle.chunks_mut(size).zip(t.chunks_mut(size));
         let places = places.zip(u.chunks_mut(size).zip(v.chunks_mut(size)));
         let mut tasks = vec![];
@@ -359,7 +406,7 @@ impl<X: Number> Built<X> {
     fn any(&self, watch: &Watch, rays: PyRays, how: &PyHow, out: &mut [bool]) -> PyResult<()> {
         let rays = Borrowed::<X>::of(rays)?;
         let (rays, sight) = (rays.rays(), sight(watch, how, "every")?);
-        in_parts(watch, rays.len(), out, |from, out| {
+        in_parts(watch, rays.len(), BATCH, out, |from, out| {
             queries::any(&self.scene, sight, &rays.gather(from..from + out.len()), out);
         })
     }
@@ -374,7 +421,7 @@ impl<X: Number> Built<X> {
     ) -> PyResult<()> {
         let rays = Borrowed::<X>::of(rays)?;
         let (rays, sight) = (rays.rays(), sight(watch, how, crossings)?);
-        in_parts(watch, rays.len(), out, |from, out| {
+        in_parts(watch, rays.len(), FEWER, out, |from, out| {
             let rays = rays.gather(from..from + out.len());
             queries::count(&self.scene, sight, &rays, |at, count| out[at] = number(count));
         })
@@ -390,7 +437,7 @@ impl<X: Number> Built<X> {
         let points = points.extract::<PyReadonlyArray2<X>>()?;
         let points: ArrayView2<X> = points.as_array();
         let (sight, failed) = (sight(watch, how, "every")?, Mutex::new(None::<NotExact>));
-        in_parts(watch, points.nrows(), out, |from, out| {
+        in_parts(watch, points.nrows(), BATCH, out, |from, out| {
             let point = |at| [points[[at, 0]], points[[at, 1]], points[[at, 2]]];
             let points: Vec<_> = (from..from + out.len()).map(point).collect();
             let placed = queries::places(&self.scene, sight, &points, |at, place| {
@@ -424,7 +471,7 @@ impl<X: Number> Built<X> {
         }
         let rays = Borrowed::<X>::of(rays)?;
         let (rays, sight): (Rays<X>, _) = (rays.rays(), sight(watch, how, crossings)?);
-        let size = size(watch, rays.len())?;
+        let size = size(watch, rays.len(), FEWER)?;
         let mut parts: Vec<Part<X>> = vec![];
         parts.resize_with(rays.len().div_ceil(size), || Part { counts: vec![], hits: vec![] });
         let mut tasks = vec![];
@@ -432,33 +479,40 @@ impl<X: Number> Built<X> {
             let (from, to) = (part * size, rays.len().min((part + 1) * size));
             let work = move || {
                 queries::all(&self.scene, sight, &rays.gather(from..to), |hits| {
-                    let before = place.hits.len();
-                    place.hits.extend(hits);
-                    place.counts.push(place.hits.len() - before);
+                    place.hits.extend(hits.iter().map(queries::found));
+                    place.counts.push(hits.len());
                 });
             };
             tasks.push(Task { rays: to - from, work: Box::new(work) });
         }
         run::all(watch, tasks)?;
         let py = watch.py;
-        let hits = || parts.iter().flat_map(|part| &part.hits);
-        let counts = parts.iter().flat_map(|part| &part.counts);
+        let mut offsets = Vec::with_capacity(rays.len() + 1);
         let mut end = 0;
-        let ends = counts.map(|&count| {
+        offsets.push(0);
+        for &count in parts.iter().flat_map(|part| &part.counts) {
             end += i64::try_from(count).unwrap_or(i64::MAX);
-            end
-        });
-        let offsets: Vec<i64> = std::iter::once(0).chain(ends).collect();
-        let column =
-            |of: fn(&Found<X>) -> X| PyArray1::from_vec(py, hits().map(of).collect()).into_any();
+            offsets.push(end);
+        }
+        let hits: Vec<&[Found<X>]> = parts.iter().map(|part| &part.hits[..]).collect();
+        let floats = |of: fn(&Found<X>) -> X| PyArray1::from_vec(py, column(&hits, of)).into_any();
         Ok((
             PyArray1::from_vec(py, offsets).unbind(),
-            PyArray1::from_vec(py, hits().map(|hit| number(hit.0)).collect()).unbind(),
-            column(|hit| hit.1),
-            column(|hit| hit.2),
-            column(|hit| hit.3),
+            PyArray1::from_vec(py, column(&hits, |hit| number(hit.0))).unbind(),
+            floats(|hit| hit.1),
+            floats(|hit| hit.2),
+            floats(|hit| hit.3),
         ))
     }
+}
+
+/// One number of each hit.
+fn column<X, T>(parts: &[&[Found<X>]], of: fn(&Found<X>) -> T) -> Vec<T> {
+    let mut column = Vec::with_capacity(parts.iter().map(|hits| hits.len()).sum());
+    for hits in parts {
+        column.extend(hits.iter().map(of));
+    }
+    column
 }
 
 /// What is amiss, in Python's way.
@@ -478,20 +532,28 @@ fn sight<'a>(watch: &'a Watch, how: &'a PyHow, crossed: &str) -> PyResult<Sight<
     Ok(Sight { culling, crossings: crossings(crossed)?, mask, is_stopped: &watch.is_stopped })
 }
 
-/// Rays of one part: as many as go down the tree together, but fewer where threads would have nothing to do.
-fn size(watch: &Watch, rays: usize) -> PyResult<usize> {
-    Ok(rays.div_ceil(4 * run::number(watch.threads)?).clamp(4 * FEW, 4096))
+/// Rays of one part at most, of which the tracer makes what goes down the tree together: they take some hundredths of a
+/// second.
+const BATCH: usize = 1 << 15;
+
+/// The same where rays go one by one.
+const FEWER: usize = 1 << 12;
+
+/// Rays of one part: fewer than at most where threads would have nothing to do.
+fn size(watch: &Watch, rays: usize, most: usize) -> PyResult<usize> {
+    Ok(rays.div_ceil(4 * run::number(watch.threads)?).clamp(4 * FEW, most))
 }
 
 /// Computes the outputs, part by part: `work` gets the place of the first, and all of a part.
 fn in_parts<T: Send>(
     watch: &Watch,
     count: usize,
+    most: usize,
     out: &mut [T],
     work: impl Fn(usize, &mut [T]) + Sync,
 ) -> PyResult<()> {
     same(count, &[out.len()])?;
-    let (size, work) = (size(watch, count)?, &work);
+    let (size, work) = (size(watch, count, most)?, &work);
     let mut tasks = vec![];
     for (part, out) in out.chunks_mut(size).enumerate() {
         tasks.push(Task { rays: out.len(), work: Box::new(move || work(part * size, out)) });
@@ -511,6 +573,14 @@ fn triples<T: numpy::Element + Copy>(array: &PyReadonlyArray2<T>) -> PyResult<Ve
     match array.as_slice()?.as_chunks() {
         (triples, []) => Ok(triples.to_vec()),
         _ => Err(PyValueError::new_err("rows are not of three")),
+    }
+}
+
+/// The upper three rows of matrices.
+fn rows_of(array: &PyReadonlyArray3<f32>) -> PyResult<Vec<Transform>> {
+    match array.as_slice()?.as_chunks() {
+        (rows, []) if array.shape()[1..] == [3, 4] => Ok(rows.as_chunks().0.to_vec()),
+        _ => Err(PyValueError::new_err("transforms are not of three rows of four")),
     }
 }
 

@@ -53,6 +53,36 @@ def test_occlusions_have_intervals(scene):
     assert scene.test_occlusions(ray, tfar=t + 0.01).all() and not scene.test_occlusions(ray, tfar=t - 0.01).any()
 
 
+def test_all_intersections_are_listed_by_geometry(scene):
+    # Through the middles of both spheres.
+    listed = scene.list_intersections(np.array([[9, 9, 9, 0, 0, 1], [0.01, 0.02, 5, 0, 0, -1]], np.float32))
+    assert {name: (array.dtype.name, array.shape) for name, array in listed.items()} == {
+        "ray_splits": ("uint32", (3,)), "ray_ids": ("uint32", (4,)), "t_hit": ("float32", (4,)),
+        "geometry_ids": ("uint32", (4,)), "primitive_ids": ("uint32", (4,)), "primitive_uvs": ("float32", (4, 2)),
+    }
+    assert listed["ray_splits"].tolist() == [0, 0, 4] and listed["ray_ids"].tolist() == [1] * 4
+    assert listed["geometry_ids"].tolist() == [1, 1, 0, 0]
+    assert (np.diff(listed["t_hit"]) > 0).all()
+    assert scene.count_intersections(np.array([[0.01, 0.02, 5, 0, 0, -1]], np.float32)).tolist() == [4]
+    points = np.array([[0, 0, 0], [0, 0, 1.75], [0, 0, 2.5]], np.float32)
+    inside = scene.compute_occupancy(points, nsamples=3)
+    assert inside.dtype == np.float32 and inside.tolist() == [1, 1, 0]
+
+
+def test_a_camera_sees_what_it_looks_at(scene):
+    rays = RaycastingScene.create_rays_pinhole(
+        fov_deg=90, center=[0, 0, 0], eye=[0, -4, 0], up=[0, 0, 1], width_px=9, height_px=5
+    )
+    assert rays.shape == (5, 9, 6) and rays.dtype == np.float32
+    assert np.allclose(rays[2, 4], [0, -4, 0, 0, 1, 0], atol=1e-6)
+    # Up is down, and the width is the field of view.
+    assert (rays[0, 4, 5], rays[4, 4, 5]) == pytest.approx((-4 / 9, 4 / 9))
+    assert (rays[2, 0, 3], rays[2, 8, 3]) == pytest.approx((8 / 9, -8 / 9))
+    assert scene.cast_rays(rays)["geometry_ids"][2, 4] == 0
+    with pytest.raises(ValueError, match="fov_deg"):
+        RaycastingScene.create_rays_pinhole(width_px=2, height_px=2)
+
+
 @pytest.mark.skipif(importlib.util.find_spec("open3d") is None, reason="open3d is not installed")
 def test_open3d_agrees_on_random_rays(scene):
     import open3d
@@ -81,6 +111,8 @@ def test_open3d_agrees_on_random_rays(scene):
         intrinsic_matrix=np.array([[50.0, 0, 32], [0, 50, 24], [0, 0, 1]]), extrinsic_matrix=np.eye(4) + np.eye(4, k=3),
         width_px=64, height_px=48,
     )
-    turned = {name: open3d.core.Tensor(x) if isinstance(x, np.ndarray) else x for name, x in camera.items()}
-    theirs = open3d.t.geometry.RaycastingScene.create_rays_pinhole(**turned).numpy()
-    assert np.allclose(RaycastingScene.create_rays_pinhole(**camera), theirs, atol=1e-6)
+    other = dict(fov_deg=60, center=[0, 0.5, 0], eye=[1, 2, 3], up=[0, 1, 0], width_px=32, height_px=24)
+    for camera in (camera, other):
+        tensors = {name: open3d.core.Tensor(x) if isinstance(x, np.ndarray) else x for name, x in camera.items()}
+        theirs = open3d.t.geometry.RaycastingScene.create_rays_pinhole(**tensors).numpy()
+        assert np.allclose(RaycastingScene.create_rays_pinhole(**camera), theirs, atol=1e-6)

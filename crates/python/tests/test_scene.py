@@ -250,6 +250,9 @@ def test_interrupts_are_heard(query, dtype):
     vertices, faces = meshes.layers(400, 1 / 512)
     scene = trisect.Scene(vertices.astype(dtype), faces)
 
+    # Where these tests run in the background it may be ignored.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
     def interrupt():
         time.sleep(0.2)
         os.kill(os.getpid(), signal.SIGINT)

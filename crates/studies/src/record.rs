@@ -13,6 +13,7 @@ pub use trisect_catalog::Variant;
 use trisect_core::InstructionSet;
 
 use crate::noise::Noise;
+use crate::shard::Shard;
 
 /// The version of the schema that this build writes and reads.
 pub const SCHEMA: u32 = 9;
@@ -45,6 +46,9 @@ pub struct Header {
     /// How steady it was; none where nothing was timed, and in records older than this field.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
+    /// Which share of the study it is; none where it is whole.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shard: Option<Shard>,
 }
 
 /// The machine a record was made on.
@@ -73,13 +77,22 @@ pub trait LineKind:
 {
     /// Its name: what the field `kind` of such a line holds.
     const NAME: &'static str;
+
+    /// Takes in what another [shard](crate::Shard) found of the same; whether that is a part of the same line.
+    fn join(&mut self, _other: &Self) -> bool {
+        false
+    }
 }
 
-/// Names kinds of lines, and lists what reads them as `LINES`.
+/// Names kinds of lines, and lists what reads them as `LINES`; `joined` by a function where shards find parts of a line.
 macro_rules! lines {
-    ($($kind:ident = $name:literal,)+) => {
+    ($($kind:ident = $name:literal $(joined $join:expr)?,)+) => {
         $(impl crate::record::LineKind for $kind {
             const NAME: &'static str = $name;
+
+            $(fn join(&mut self, other: &Self) -> bool {
+                $join(self, other)
+            })?
         })+
 
         /// What reads the lines of this study alone.
@@ -97,6 +110,7 @@ pub struct Line(Arc<dyn Erased>);
 trait Erased: Any + fmt::Debug + Send + Sync {
     fn name(&self) -> &'static str;
     fn is_same(&self, other: &Line) -> bool;
+    fn joined(&self, other: &Line) -> Option<Line>;
     fn write(&self, to: &mut dyn Write) -> serde_json::Result<()>;
 }
 
@@ -107,6 +121,11 @@ impl<K: LineKind> Erased for K {
 
     fn is_same(&self, other: &Line) -> bool {
         other.get::<K>() == Some(self)
+    }
+
+    fn joined(&self, other: &Line) -> Option<Line> {
+        let mut line = self.clone();
+        line.join(other.get::<K>()?).then(|| line.into())
     }
 
     fn write(&self, to: &mut dyn Write) -> serde_json::Result<()> {
@@ -133,6 +152,14 @@ impl Line {
             change(&mut line);
             *self = line.into();
         }
+    }
+
+    /// As [`LineKind::join`].
+    pub(crate) fn join(&mut self, other: &Self) -> bool {
+        let joined = self.0.joined(other);
+        let is_joined = joined.is_some();
+        *self = joined.unwrap_or_else(|| self.clone());
+        is_joined
     }
 
     /// The name of its kind.

@@ -8,6 +8,7 @@ use flate2::bufread::MultiGzDecoder;
 
 use crate::comparison::settings::Comparison;
 use crate::record::{Parser, ReadError, Records};
+use crate::shard::Part;
 use crate::study::{Chapter, Study};
 
 /// Something to do with a study of whatever type.
@@ -88,8 +89,8 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// # Errors
 /// When the stream fails, or a line is not a record.
 pub fn read(mut from: impl BufRead) -> Result<Records, ReadError> {
-    let parsers: Vec<Parser> =
-        chapters().iter().flat_map(|chapter| chapter.about.lines).copied().collect();
+    let of_studies = chapters().iter().flat_map(|chapter| chapter.about.lines).copied();
+    let parsers: Vec<Parser> = of_studies.chain([Parser::of::<Part>()]).collect();
     if from.fill_buf()?.starts_with(&GZIP) {
         Records::read(BufReader::new(MultiGzDecoder::new(from)), &parsers)
     } else {

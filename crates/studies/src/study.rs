@@ -15,6 +15,7 @@ use trisect_scene::SceneError;
 use crate::machine;
 use crate::noise::Meter;
 use crate::record::{Header, Line, Parser, Records, SCHEMA};
+use crate::shard::{Part, Shard};
 use crate::timing::WrongAnswer;
 
 /// A study: what it asks for, how it measures, and the kinds of lines that its record holds.
@@ -55,10 +56,28 @@ pub trait Study: Sized {
     /// # Errors
     /// As [`measure`](Study::measure).
     fn record(self, command: String, progress: &mut dyn Progress) -> Result<Records, StudyError> {
+        self.record_shard(command, None, progress)
+    }
+
+    /// The same of a share of it, where there is one: all shares [merge](crate::merge) into the whole record. Of a study
+    /// that is not divided into parts every share is the whole.
+    ///
+    /// # Errors
+    /// As [`measure`](Study::measure).
+    fn record_shard(
+        self,
+        command: String,
+        shard: Option<Shard>,
+        progress: &mut dyn Progress,
+    ) -> Result<Records, StudyError> {
         let (seed, rounds) = self.seed_and_rounds();
         let taken = Taken { command, seed, rounds };
-        let mut records = taken.record(progress, |run| self.measure(run))?;
+        let mut records = taken.record(progress, |run| {
+            run.shard = shard;
+            self.measure(run)
+        })?;
         records.header.study = Some(Cow::Borrowed(Self::ABOUT.name));
+        records.header.shard = shard;
         Ok(records)
     }
 }
@@ -137,12 +156,53 @@ pub struct Run<'a> {
     pub progress: &'a mut dyn Progress,
     pub(crate) meter: Meter,
     ghz: Vec<f64>,
+    shard: Option<Shard>,
+    /// How many parts of the study have been dealt out.
+    parts: usize,
 }
 
 impl Run<'_> {
     /// Adds a line.
     pub fn add(&mut self, line: impl Into<Line>) {
         self.lines.push(line.into());
+    }
+
+    /// Deals out parts of the study to shards: the number of the first, and which are this run's.
+    pub(crate) fn deal(&mut self, count: usize) -> (usize, Vec<bool>) {
+        let first = self.parts;
+        self.parts += count;
+        let is_mine = |part| self.shard.is_none_or(|shard| shard.has(part));
+        (first, (first..self.parts).map(is_mine).collect())
+    }
+
+    /// Deals out one: its number, where it is this run's.
+    pub(crate) fn claim(&mut self) -> Option<usize> {
+        let (part, is_mine) = self.deal(1);
+        is_mine[0].then_some(part)
+    }
+
+    /// What is added from now on is of that part.
+    pub(crate) fn begin(&mut self, number: usize) {
+        if self.shard.is_some() {
+            self.add(Part { number });
+        }
+    }
+
+    /// A phase of one part for each of `all`, those that are this run's.
+    pub(crate) fn each<T>(
+        &mut self,
+        phase: &str,
+        all: impl ExactSizeIterator<Item = T>,
+        lines: impl Fn(T) -> Vec<Line>,
+    ) {
+        self.progress.phase(phase, all.len() as u64);
+        for one in all {
+            if let Some(part) = self.claim() {
+                self.begin(part);
+                self.lines.extend(lines(one));
+            }
+            self.progress.step();
+        }
     }
 
     /// Measures the core's frequency once more. A record has the median.
@@ -174,7 +234,8 @@ impl Taken {
         let started = humantime::format_rfc3339_seconds(SystemTime::now()).to_string();
         let mut machine = machine::facts();
         let ghz = vec![machine::core_ghz()];
-        let mut run = Run { lines: Vec::new(), progress, meter: Meter::default(), ghz };
+        let (lines, meter) = (Vec::new(), Meter::default());
+        let mut run = Run { lines, progress, meter, ghz, shard: None, parts: 0 };
         measure(&mut run)?;
         run.ghz.sort_unstable_by(f64::total_cmp);
         machine.core_ghz = run.ghz[run.ghz.len() / 2];
@@ -190,6 +251,7 @@ impl Taken {
             rounds,
             machine,
             noise: run.meter.noise(),
+            shard: None,
         };
         Ok(Records { header, lines: run.lines })
     }

@@ -11,17 +11,17 @@ use trisect_method::{Culling, Interval, Place};
 
 use crate::dispatch::Tracing;
 use crate::hit::TriangleHit;
-use crate::lanes::{PlainLanes, has_fast_lanes, on_fast_lanes};
+use crate::lanes::{Job, PlainLanes, has_fast_lanes, on_fast_lanes};
 use crate::leaf::blocks::slot;
 use crate::leaf::erased::LeafData;
 use crate::leaf::query::end_after;
-use crate::leaf::report::{BlockHits, ExactLeaves};
+use crate::leaf::report::{BlockHits, ExactLeaves, LeafReporter};
 use crate::parallel::{self, PART, Task};
 use crate::precision::{Entry, Precision, Real};
 use crate::query::Robust;
 use crate::traced::TracedIn;
 use crate::traverse::inspect::distinct;
-use crate::traverse::walk::Walk;
+use crate::traverse::walk::{Above, Points, Walk};
 use crate::vectors::WIDTH;
 
 /// Which triangles count where a ray meets an edge or a corner that several of them share.
@@ -142,6 +142,14 @@ impl<'a, P: Real> Source<'a, P> {
         self.traced.leaves()
     }
 
+    /// Does something on the lanes of choice.
+    fn on_lanes<J: Job<Output: Default>>(&self, job: J) -> J::Output {
+        match self.lanes {
+            Some(plain) => plain.run(job),
+            None => on_fast_lanes(job).unwrap_or_default(),
+        }
+    }
+
     /// Calls `take` for each block in which a ray may hit anything, until `end`, where its interval ends.
     fn blocks(&self, ray: &Ray<P>, end: &Cell<P>, take: &mut dyn FnMut(&BlockHits<'_, P>)) {
         let tree = self.traced.tree();
@@ -152,19 +160,12 @@ impl<'a, P: Real> Source<'a, P> {
                 Entry::Boxes(boxed, span) => (boxed, *span),
                 Entry::Everywhere => return reporter.report(ray, 0..self.leaves().count(), take),
             };
-            let walk = Walk {
-                tree,
-                ray: boxed,
-                leaf: &mut |blocks| {
-                    self.count_triangles(blocks.clone());
-                    reporter.report(ray, blocks, take);
-                    P::end(span, end.get())
-                },
+            let leaf = &mut |blocks: Range<usize>| {
+                self.count_triangles(blocks.clone());
+                reporter.report(ray, blocks, take);
+                P::end(span, end.get())
             };
-            let nodes = match self.lanes {
-                Some(plain) => plain.run(walk),
-                None => on_fast_lanes(walk).unwrap_or_default(),
-            };
+            let nodes = self.on_lanes(Walk { tree, ray: boxed, leaf });
             if let Some(counted) = self.counted {
                 counted.update(|tests| Tests { nodes: tests.nodes + nodes, ..tests });
             }
@@ -292,29 +293,110 @@ impl<'a, P: Real> Source<'a, P> {
         best.is_hit().then_some(best)
     }
 
-    /// Where a point is with respect to the solid that the triangles bound.
-    pub(crate) fn place(&self, point: Vec3<P>) -> Result<Place, NotExact> {
+    /// Where points are with respect to the solid that the triangles bound, in the order of the points.
+    pub(crate) fn places(&self, points: &[Vec3<P>], places: &mut [Place]) -> Result<(), NotExact> {
         let exact = self.leaves().exact().ok_or(NotExact)?;
-        // What the point is on is left open: either the ray lies in it, or hits it where it begins, which is within the
-        // bounds of `t`, and never at their ends.
-        let ray = &as_tested(&upwards(point));
-        let (end, mut is_on) = (Cell::new(ray.tmax), false);
-        let crossings = Tally::with(|tally| {
-            self.blocks(ray, &end, &mut |block| {
-                let is_at = |lane| exact.is_on(point, slot(block.at, lane));
-                if is_on || lanes(block.open).any(is_at) {
-                    is_on = true;
-                    end.set(P::NEG_INFINITY);
-                } else {
-                    tally.add(block, self.met(Some(exact), ray, block));
-                }
+        let tree = self.traced.tree();
+        Tally::with(|tally| {
+            let (points, at) = (points.iter(), Vec3::new(P::ZERO, P::ZERO, P::ZERO));
+            let column = Column { source: *self, exact, ray: upwards(at), is_on: false, tally };
+            let mut rest = Some((column, points.zip(places)));
+            self.leaves().reporter(self.lanes, self.culling, &mut |reporter| {
+                let Some((column, rest)) = rest.take() else { return };
+                let points = &mut Placing { column, reporter, rest, place: None };
+                self.on_lanes(Above { tree, points });
             });
         });
-        Ok(match crossings % 2 {
-            _ if is_on => Place::On,
+        Ok(())
+    }
+}
+
+/// What is above a point.
+struct Column<'a, P: Real> {
+    source: Source<'a, P>,
+    exact: &'a dyn ExactLeaves<P>,
+    ray: Ray<P>,
+    /// Whether the point is on a triangle.
+    is_on: bool,
+    /// The triangles that the ray crosses.
+    tally: &'a mut Tally,
+}
+
+impl<P: Real> Column<'_, P> {
+    fn take(&mut self, block: &BlockHits<'_, P>) {
+        let Self { source, exact, ray, is_on, tally } = self;
+        // What the point is on is left open: either the ray lies in it, or hits it where it begins, which is within the
+        // bounds of `t`, and never at their ends.
+        let is_at = |lane| exact.is_on(ray.o, slot(block.at, lane));
+        *is_on = *is_on || lanes(block.open).any(is_at);
+        if !*is_on {
+            tally.add(block, source.met(Some(*exact), ray, block));
+        }
+    }
+
+    /// Where the point is, once all is taken.
+    fn place(&mut self) -> Place {
+        let crossings = self.tally.finish();
+        match crossings % 2 {
+            _ if self.is_on => Place::On,
             1 => Place::Inside,
             _ => Place::Outside,
-        })
+        }
+    }
+
+    /// The same by any boxes that the ray may meet.
+    fn walk(&mut self) -> Place {
+        let (source, ray) = (self.source, self.ray);
+        let end = Cell::new(ray.tmax);
+        source.blocks(&ray, &end, &mut |block| {
+            self.take(block);
+            if self.is_on {
+                end.set(P::NEG_INFINITY);
+            }
+        });
+        self.place()
+    }
+}
+
+/// Points that are placed one after another.
+struct Placing<'a, P: Real, Rest> {
+    column: Column<'a, P>,
+    reporter: &'a dyn LeafReporter<P>,
+    /// Those that are left, and where their places belong.
+    rest: Rest,
+    /// That of the point whose column is walked through.
+    place: Option<&'a mut Place>,
+}
+
+impl<'a, P: Real, Rest> Points for Placing<'a, P, Rest>
+where
+    Rest: Iterator<Item = (&'a Vec3<P>, &'a mut Place)>,
+{
+    fn next(&mut self) -> Option<Vec3<f32>> {
+        if let Some(place) = self.place.take() {
+            *place = self.column.place();
+        }
+        loop {
+            let (point, place) = self.rest.next()?;
+            self.column.ray = as_tested(&upwards(*point));
+            self.column.is_on = false;
+            match P::enter(self.column.source.traced.tree().frame.as_ref(), &self.column.ray) {
+                Entry::Missed => *place = Place::Outside,
+                // One that was moved to the scene may begin later.
+                Entry::Boxes(boxed, _) if boxed.tmin <= 0.0 => {
+                    self.place = Some(place);
+                    return Some(boxed.o);
+                }
+                _ => *place = self.column.walk(),
+            }
+        }
+    }
+
+    fn leaf(&mut self, blocks: Range<usize>) -> bool {
+        let Self { column, reporter, .. } = self;
+        let ray = column.ray;
+        reporter.report(&ray, blocks, &mut |block| column.take(block));
+        !column.is_on
     }
 }
 
@@ -358,21 +440,27 @@ thread_local! {
 }
 
 impl Tally {
-    /// How many triangles are added.
+    /// How many triangles are added, since they were counted last.
     fn with(add: impl FnOnce(&mut Self)) -> u32 {
         let mut tally = Self { count: 0, repeated: REPEATED.take() };
         add(&mut tally);
-        let Self { mut count, mut repeated } = tally;
+        let count = tally.finish();
+        REPEATED.set(tally.repeated);
+        count
+    }
+
+    /// Counts those that have been added, and begins anew.
+    fn finish(&mut self) -> u32 {
+        let Self { count, repeated } = self;
         if !repeated.is_empty() {
             repeated.sort_unstable();
             repeated.dedup();
             #[allow(clippy::cast_possible_truncation, reason = "there are fewer triangles")]
             let more = repeated.len() as u32;
-            count += more;
+            *count += more;
             repeated.clear();
         }
-        REPEATED.set(repeated);
-        count
+        std::mem::take(count)
     }
 
     fn add<P>(&mut self, block: &BlockHits<'_, P>, met: u64) {

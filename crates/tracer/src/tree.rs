@@ -16,9 +16,10 @@ use crate::hit::{MaybeHit, TriangleHit};
 use crate::hits::{AllHits, Crossings, NotExact, Source, Verdict, all_of, lanes_of};
 use crate::instances::Extent;
 use crate::lanes::PlainLanes;
-use crate::parallel::fill;
+use crate::parallel::{self, PART, Task, fill};
 use crate::precision::Precision;
 use crate::query::HasClosest;
+use crate::rays::reorder::of_columns;
 use crate::traced::{self, Built, TracedIn};
 use crate::traverse::inspect::{self, Counted};
 use crate::vectors::WIDTH;
@@ -154,6 +155,17 @@ pub trait Tree<P: Precision = f32>: Any + Send + Sync {
         each(&of, rays, found);
     }
 
+    /// [`contains`](Tree::contains) of each point, by the calling thread: quicker where neighbours are near each other.
+    ///
+    /// # Errors
+    /// When the method is not exact.
+    fn contains_each(&self, points: &[Vec3<P>], places: &mut [Place]) -> Result<(), NotExact> {
+        for (point, place) in points.iter().zip(places) {
+            *place = self.contains(*point)?;
+        }
+        Ok(())
+    }
+
     /// [`contains`](Tree::contains) of each point, on the threads of the pool that it is called in.
     ///
     /// # Errors
@@ -165,7 +177,19 @@ pub trait Tree<P: Precision = f32>: Any + Send + Sync {
         let nan = P::from_f64(f64::NAN);
         // Whether the method is exact does not depend on the point.
         self.contains(Vec3::new(nan, nan, nan))?;
-        each(&|_, point| self.contains(*point).unwrap_or(Place::Outside), points, places);
+        assert_room(points, places);
+        for (points, places) in points.chunks(POINTS).zip(places.chunks_mut(POINTS)) {
+            let order = of_columns(points);
+            let asked: Vec<Vec3<P>> = order.iter().map(|&at| points[at as usize]).collect();
+            let mut found = vec![Place::Outside; points.len()];
+            let parts = asked.chunks(PART).zip(found.chunks_mut(PART));
+            parallel::all(parts.map(|(asked, found)| -> Task<'_> {
+                Box::new(move || self.contains_each(asked, found).unwrap_or_default())
+            }));
+            for (at, place) in order.into_iter().zip(found) {
+                places[at as usize] = place;
+            }
+        }
         Ok(())
     }
 
@@ -305,6 +329,9 @@ impl<M: Method> ScalarBvh<M> {
     }
 }
 
+/// Points that are put in order together: enough that neighbours share what is above them.
+const POINTS: usize = 1 << 18;
+
 /// Computes what is asked of each ray or point, on the threads of the pool that it is called in.
 fn each<I: Sync, X: Send>(of: &(dyn Fn(usize, &I) -> X + Sync), inputs: &[I], found: &mut [X]) {
     assert_room(inputs, found);
@@ -410,9 +437,15 @@ macro_rules! hits {
         }
 
         fn contains(&self, point: Vec3<$p>) -> Result<Place, NotExact> {
+            let mut place = Place::Outside;
+            self.contains_each(&[point], from_mut(&mut place))?;
+            Ok(place)
+        }
+
+        fn contains_each(&self, points: &[Vec3<$p>], places: &mut [Place]) -> Result<(), NotExact> {
             let (traced, lanes) = (&*self.traced, $lanes(Tracing::Single));
             let (culling, crossings) = (Culling::None, Crossings::Owned);
-            Source { traced, lanes, culling, crossings, counted: None }.place(point)
+            Source { traced, lanes, culling, crossings, counted: None }.places(points, places)
         }
     };
 }

@@ -9,7 +9,7 @@ array([ 0, -1], dtype=int32)
 `trisect.trimesh` puts it under trimesh, and `trisect.open3d` has the names of open3d's `RaycastingScene`.
 """
 
-from ._scene import AllHits, Hits, Scene
+from ._scene import AllHits, Hits, Located, Scene
 from ._trisect import __version__
 
-__all__ = ["AllHits", "Hits", "Scene", "__version__"]
+__all__ = ["AllHits", "Hits", "Located", "Scene", "__version__"]

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _trisect
+from ._arrays import (
+    DTYPES, aligned, dtype_of, faces_of, joined, located, matrices, place, rows, starts, threads_of, triples,
+)
 
 Progress = Callable[[int, int], object]
 Cull = Literal["none", "back", "front"]
 Crossings = Literal["every", "owned"]
-
-_DTYPES: dict[str, np.dtype[Any]] = {"f32": np.dtype(np.float32), "f64": np.dtype(np.float64)}
 
 
 class Hits(NamedTuple):
@@ -48,6 +49,15 @@ class AllHits(NamedTuple):
     def ray(self) -> npt.NDArray[np.int64]:
         """int64, (hits,): the index of each hit's ray."""
         return np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
+
+
+class Located(NamedTuple):
+    """Where hits are in a scene of instances; both arrays have the shape of the hits."""
+
+    #: int32: the index of the instance, −1 where nothing is hit.
+    instance: npt.NDArray[np.int32]
+    #: int32: the triangle of the scene that is placed there, −1 where nothing is hit.
+    triangle: npt.NDArray[np.int32]
 
 
 class Scene:
@@ -85,8 +95,8 @@ class Scene:
     "back" or "front" faces; the front is where corners run counter-clockwise. `progress(done, rays)` is called some
     times a second. The lock of Python is released; Ctrl-C ends a query within a tenth of a second.
 
-    Scenes pickle to their mesh and settings, and are built again where they arrive; `copy.copy` and `copy.deepcopy`
-    share the tree until one of the two is moved.
+    Scenes pickle to their mesh and settings, and are built again where they arrive; those of instances to what is placed,
+    each once, and the transforms. `copy.copy` and `copy.deepcopy` share the tree until one of the two is moved.
 
     Examples
     --------
@@ -96,7 +106,7 @@ class Scene:
     <trisect.Scene of 1 triangle, f32, exact>
     """
 
-    __slots__ = ("_raw", "_mask", "__weakref__")
+    __slots__ = ("_raw", "_mask", "_placed", "__weakref__")
 
     def __init__(
         self,
@@ -109,11 +119,58 @@ class Scene:
         threads: int | None = None,
     ) -> None:
         vertices = np.asarray(vertices)
-        dtype = _dtype(precision, vertices.dtype)
+        dtype = dtype_of(precision, vertices.dtype)
         self._raw = _trisect.Scene(
-            _rows("vertices", vertices, dtype), _faces(faces), method, bool(moving), _threads(threads)
+            rows("vertices", vertices, dtype), faces_of(faces), method, bool(moving), threads_of(threads)
         )
         self._mask: npt.NDArray[np.bool_] | None = None
+        self._placed: tuple[tuple[Scene, ...], npt.NDArray[np.float32]] | None = None
+
+    @classmethod
+    def instances(
+        cls, scenes: Scene | Sequence[Scene], transforms: npt.ArrayLike, *, threads: int | None = None
+    ) -> Scene:
+        """A scene of scenes, each in its place: meshes, or scenes of instances in turn, which share their trees.
+
+        `scenes` are in f32: one for each transform, or a single one that all of them place, as it is now. `transforms`,
+        (n, 4, 4) or (n, 3, 4), rounded to float32, lead from each one's space to that of the new scene: `p` is at
+        `m[:3, :3] @ p + m[:3, 3]`. They may turn, stretch, shear and mirror.
+
+        All queries work as on a mesh. The triangles are numbered one instance after another; `locate` says which
+        is which. A ray is carried to an instance by rounding it, and is tested there exactly: so the triangles of one
+        instance let no ray through between them; those of two that touch may.
+
+        Raises `ValueError` where shapes do not fit, where a transform is not finite or has no inverse, and for scenes that
+        are in f64 or filtered.
+
+        >>> triangle = Scene(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32), [[0, 1, 2]])
+        >>> moved = np.eye(4)
+        >>> moved[:3, 3] = 5, 0, -3
+        >>> scene = Scene.instances(triangle, [np.eye(4), moved])
+        >>> scene
+        <trisect.Scene of 2 triangles in 2 instances, f32, exact>
+        >>> hits = scene.first([[0.25, 0.5, 1.0], [5.25, 0.5, 1.0], [9.0, 9.0, 1.0]], [0.0, 0.0, -1.0])
+        >>> hits.t, scene.locate(hits).instance
+        (array([ 1.,  4., inf], dtype=float32), array([ 0,  1, -1], dtype=int32))
+        """
+        placed = matrices(transforms)
+        scenes = (scenes,) * len(placed) if isinstance(scenes, Scene) else tuple(scenes)
+        if len(scenes) != len(placed):
+            raise ValueError(f"each scene has a transform, but there are {len(scenes)} and {len(placed)}")
+        for at, scene in enumerate(scenes):
+            if scene.precision != "f32":
+                raise ValueError(f'scene {at} is in f64, but instances are in f32: make it with precision="f32"')
+            if scene._mask is not None:
+                raise ValueError(f"scene {at} is filtered: filter the scene of instances")
+        if sum(map(len, scenes)) > np.iinfo(np.int32).max:
+            raise ValueError("the triangles of all instances are more than int32 can number")
+        # As they are now; one that is placed again and again is one.
+        copies = {id(scene): scene._copied() for scene in scenes}
+        scenes = tuple(copies[id(scene)] for scene in scenes)
+        new = cls.__new__(cls)
+        new._raw = _trisect.Scene.instances([scene._raw for scene in scenes], placed, threads_of(threads))
+        new._mask, new._placed = None, (scenes, placed)
+        return new
 
     def first(
         self,
@@ -143,7 +200,7 @@ class Scene:
         if out is not None and len(out) != 4:
             raise ValueError(f"out must be four arrays, triangle, t, u, v, not {len(out)}")
         kinds = (np.dtype(np.int32), self.dtype, self.dtype, self.dtype)
-        hits = Hits(*(_place(shape, kind, out and out[at]) for at, kind in enumerate(kinds)))
+        hits = Hits(*(place(shape, kind, out and out[at]) for at, kind in enumerate(kinds)))
         flat = tuple(array.reshape(-1) for array in hits)
         self._raw.first(rays, self._how(cull, threads, progress), flat)  # type: ignore[arg-type]
         return hits if shape else Hits(*(array[()] for array in hits))
@@ -169,7 +226,7 @@ class Scene:
         array([False,  True])
         """
         shape, rays = self._rays(origins, directions, tmin, tmax)
-        hits = _place(shape, np.dtype(bool), out)
+        hits = place(shape, np.dtype(bool), out)
         self._raw.any(rays, self._how(cull, threads, progress), hits.reshape(-1))
         return hits if shape else hits[()]
 
@@ -226,7 +283,7 @@ class Scene:
         (2, 1)
         """
         shape, rays = self._rays(origins, directions, tmin, tmax)
-        counts = _place(shape, np.dtype(np.int32), out)
+        counts = place(shape, np.dtype(np.int32), out)
         self._raw.count(rays, self._how(cull, threads, progress), crossings, counts.reshape(-1))
         return counts if shape else counts[()]
 
@@ -272,9 +329,9 @@ class Scene:
         """
         if self._mask is not None:
             raise ValueError("a filtered scene has no inside: make a scene of the faces that bound it")
-        array = _triples("points", points, self.dtype)
+        array = triples("points", points, self.dtype)
         shape = array.shape[:-1]
-        places = _place(shape, np.dtype(np.int8), out)
+        places = place(shape, np.dtype(np.int8), out)
         self._raw.places(array.reshape(-1, 3), self._how("none", threads, progress), places.reshape(-1))
         return places if shape else places[()]
 
@@ -310,10 +367,48 @@ class Scene:
         >>> float(scene.first([0.25, 0.5, 1.0], [0.0, 0.0, -1.0]).t)
         2.0
         """
+        if self._placed is not None:
+            raise ValueError("instances have no vertices of their own: move them by set_transforms, or place moved scenes")
         vertices, made = np.asarray(vertices), self._raw.count_of_vertices
         if vertices.shape != (made, 3):
             raise ValueError(f"vertices must have shape ({made}, 3), as before, not {vertices.shape}")
-        self._raw.update(_rows("vertices", vertices, self.dtype))
+        self._raw.update(rows("vertices", vertices, self.dtype))
+
+    def set_transforms(self, transforms: npt.ArrayLike) -> None:
+        """Moves all instances, as many as before, (n, 4, 4) or (n, 3, 4): what is placed stays as it is.
+
+        Raises `ValueError` as `instances` does, and where the scene is a mesh; it is as before then.
+
+        >>> triangle = Scene(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32), [[0, 1, 2]])
+        >>> scene = Scene.instances(triangle, [np.eye(4)])
+        >>> moved = np.eye(4)
+        >>> moved[2, 3] = 2
+        >>> scene.set_transforms([moved])
+        >>> float(scene.first([0.25, 0.5, 3.0], [0.0, 0.0, -1.0]).t)
+        1.0
+        """
+        if self._placed is None:
+            raise ValueError("a mesh has no instances: move its vertices by update")
+        scenes, _ = self._placed
+        placed = matrices(transforms)
+        if len(placed) != len(scenes):
+            raise ValueError(f"there are {len(scenes)} instances, but {len(placed)} transforms")
+        if not self._raw.set_transforms(placed):
+            # A copy shares them.
+            self._raw = _trisect.Scene.instances([scene._raw for scene in scenes], placed, self._raw.threads)
+        self._placed = scenes, placed
+
+    def locate(self, hits: Hits | AllHits) -> Located:
+        """Which instance each hit is in, and which triangle of what is placed there; where that is a scene of instances, its
+        own `locate` leads on. A mesh counts as one instance.
+
+        >>> triangle = Scene(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32), [[0, 1, 2]])
+        >>> scene = Scene.instances([triangle, triangle], [np.eye(4)] * 2)
+        >>> hits = scene.all([[0.25, 0.5, 1.0]], [0.0, 0.0, -1.0])
+        >>> hits.triangle, scene.locate(hits).instance, scene.locate(hits).triangle
+        (array([0, 1], dtype=int32), array([0, 1], dtype=int32), array([0, 0], dtype=int32))
+        """
+        return Located(*(array.astype(np.int32)[()] for array in located(self._parts(), hits.triangle)))
 
     def points(self, hits: Hits | AllHits) -> npt.NDArray[Any]:
         """The points that are hit, (..., 3) in float64, from the corners and their weights: nearer to the triangle than
@@ -324,18 +419,25 @@ class Scene:
         array([[0.25, 0.5 , 0.  ]])
         """
         shape = np.shape(hits.triangle)
+        if self._placed is not None:
+            return self._points_of_instances(hits)
         u, v = (np.ravel(np.asarray(weight, self.dtype)) for weight in (hits.u, hits.v))
         return self._raw.points(np.ravel(np.asarray(hits.triangle, np.int32)), u, v).reshape(*shape, 3)
 
     @property
     def vertices(self) -> npt.NDArray[Any]:
-        """The vertices, (n, 3), in the scene's dtype: a copy."""
-        return self._raw.vertices()
+        """The vertices, (n, 3), in the scene's dtype: a copy. Of instances those of each, where they are."""
+        return self._raw.vertices() if self._placed is None else self._joined()[0]
 
     @property
     def faces(self) -> npt.NDArray[np.uint32]:
-        """The faces, (m, 3) uint32: a copy."""
-        return self._raw.faces()
+        """The faces, (m, 3) uint32: a copy. Of instances those of each, their corners in the order that they have there."""
+        return self._raw.faces() if self._placed is None else self._joined()[1].astype(np.uint32)
+
+    @property
+    def transforms(self) -> npt.NDArray[np.float32] | None:
+        """Where the instances are, (n, 3, 4) float32: a copy. None where the scene is a mesh."""
+        return None if self._placed is None else self._placed[1].copy()
 
     @property
     def dtype(self) -> np.dtype[Any]:
@@ -345,11 +447,11 @@ class Scene:
     @property
     def precision(self) -> str:
         """ "f32" or "f64"."""
-        return next(name for name, dtype in _DTYPES.items() if dtype == self.dtype)
+        return next(name for name, dtype in DTYPES.items() if dtype == self.dtype)
 
     @property
     def method(self) -> str:
-        """By which method rays are tested."""
+        """By which method rays are tested; "mixed" where instances differ in that."""
         return self._raw.method
 
     @property
@@ -370,7 +472,8 @@ class Scene:
         count = len(self)
         seen = "" if self._mask is None else f", {int(self._mask.sum())} seen"
         triangles = "triangle" if count == 1 else "triangles"
-        return f"<trisect.Scene of {count} {triangles}{seen}, {self.precision}, {self.method}>"
+        placed = "" if self._placed is None else f" in {len(self._placed[0])} instances"
+        return f"<trisect.Scene of {count} {triangles}{placed}{seen}, {self.precision}, {self.method}>"
 
     def __copy__(self) -> Scene:
         return self._copied()
@@ -380,27 +483,55 @@ class Scene:
 
     def __reduce__(self) -> tuple[Any, ...]:
         raw = self._raw
+        if self._placed is not None:
+            return _unpickle_instances, (*self._placed, raw.threads, self._mask)
         mesh = self.vertices, self.faces
         return _unpickle, (*mesh, self.precision, raw.method, raw.moving, raw.threads, self._mask)
 
     def _copied(self) -> Scene:
         other = Scene.__new__(type(self))
-        other._raw, other._mask = self._raw.copy(), self._mask
+        other._raw, other._mask, other._placed = self._raw.copy(), self._mask, self._placed
         return other
 
+    def _parts(self) -> npt.NDArray[np.int64]:
+        """Where the triangles of each instance begin."""
+        return starts([len(self)] if self._placed is None else map(len, self._placed[0]))
+
+    def _joined(self) -> tuple[npt.NDArray[Any], npt.NDArray[np.int64]]:
+        """The mesh of all instances."""
+        scenes, transforms = self._placed or ((), ())
+        meshes = []
+        for scene, at in zip(scenes, transforms):
+            m = at.astype(np.float64)
+            vertices = scene.vertices.astype(np.float64) @ m[:, :3].T + m[:, 3]
+            meshes.append((vertices.astype(self.dtype), scene.faces))
+        return joined(meshes)
+
+    def _points_of_instances(self, hits: Hits | AllHits) -> npt.NDArray[np.float64]:
+        scenes, transforms = self._placed or ((), np.zeros((0, 3, 4), np.float32))
+        instance, triangle, u, v = map(np.asarray, (*self.locate(hits), hits.u, hits.v))
+        points = np.full((*np.shape(instance), 3), np.nan)
+        for scene in set(scenes):
+            # The last is for −1: in none.
+            is_in = np.array([*(other is scene for other in scenes), False])[instance]
+            own = Hits(triangle[is_in], np.zeros(is_in.sum()), u[is_in], v[is_in])
+            m = transforms[instance[is_in]].astype(np.float64)
+            points[is_in] = np.einsum("nij,nj->ni", m[:, :, :3], scene.points(own)) + m[:, :, 3]
+        return points
+
     def _how(self, cull: str, threads: int | None, progress: Progress | None) -> _trisect.How:
-        return cull, self._mask, _threads(threads), progress
+        return cull, self._mask, threads_of(threads), progress
 
     def _rays(
         self, origins: npt.ArrayLike, directions: npt.ArrayLike, tmin: npt.ArrayLike, tmax: npt.ArrayLike
     ) -> tuple[tuple[int, ...], _trisect.Rays]:
         """The shape of the rays, and the arrays in rows, copied where their layout leaves no other way."""
         dtype = self.dtype
-        o, d = _triples("origins", origins, dtype), _triples("directions", directions, dtype)
+        o, d = triples("origins", origins, dtype), triples("directions", directions, dtype)
         ends: list[npt.NDArray[Any] | None] = [None, None]
         for at, (interval, ordinary) in enumerate(((tmin, 0.0), (tmax, np.inf))):
             if interval is not ordinary and not (isinstance(interval, (int, float)) and interval == ordinary):
-                ends[at] = _aligned(np.asarray(interval, dtype))
+                ends[at] = aligned(np.asarray(interval, dtype))
         if o.shape == d.shape and o.ndim == 2 and ends == [None, None]:
             return o.shape[:1], (o, d, None, None)
         shapes = [o.shape[:-1], d.shape[:-1], *(end.shape for end in ends if end is not None)]
@@ -428,60 +559,12 @@ def _unpickle(
     return scene
 
 
-def _dtype(precision: str, given: np.dtype[Any]) -> np.dtype[Any]:
-    if precision not in ("auto", *_DTYPES):
-        raise ValueError(f'precision must be "auto", "f32" or "f64", not {precision!r}')
-    is_small = given.kind == "f" and given.itemsize <= 4
-    return _DTYPES[("f32" if is_small else "f64") if precision == "auto" else precision]
-
-
-def _aligned(array: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    return array if array.flags.aligned else array.copy()
-
-
-def _triples(name: str, given: npt.ArrayLike, dtype: np.dtype[Any]) -> npt.NDArray[Any]:
-    """An array of points or vectors in any layout."""
-    try:
-        array = np.asarray(given, dtype)
-    except ValueError as error:
-        raise ValueError(f"{name} must be an array of shape (..., 3): {error}") from None
-    if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"{name} must have shape (..., 3), not {array.shape}")
-    return _aligned(array)
-
-
-def _rows(name: str, given: npt.NDArray[Any], dtype: np.dtype[Any]) -> npt.NDArray[Any]:
-    """An array of rows of three, one after another."""
-    if given.size == 0 and given.ndim < 2:
-        given = given.reshape(0, 3)
-    if given.ndim != 2 or given.shape[1] != 3:
-        raise ValueError(f"{name} must have shape (n, 3), not {given.shape}")
-    return np.require(given, dtype, ["C", "A"])
-
-
-def _faces(given: npt.ArrayLike) -> npt.NDArray[np.uint32]:
-    faces = np.asarray(given)
-    if faces.size and faces.dtype.kind not in "iu":
-        raise ValueError(f"faces must be integers, not {faces.dtype}")
-    if faces.size and faces.ndim == 2:
-        for amiss in (faces < 0, faces > np.iinfo(np.uint32).max) if faces.dtype != np.uint32 else ():
-            if amiss.any():
-                face, corner = np.argwhere(amiss)[0]
-                raise ValueError(f"face {face} names vertex {faces[face, corner]}, which there is not")
-    return _rows("faces", faces, np.dtype(np.uint32))
-
-
-def _threads(threads: int | None) -> int | None:
-    if threads is not None and threads < 1:
-        raise ValueError(f"threads must be at least 1, not {threads}")
-    return threads
-
-
-def _place(shape: tuple[int, ...], dtype: np.dtype[Any], out: npt.NDArray[Any] | None) -> npt.NDArray[Any]:
-    """Where results go: an array of their shape."""
-    if out is None:
-        return np.empty(shape, dtype)
-    if out.shape != shape or out.dtype != dtype or not (out.flags.c_contiguous and out.flags.writeable):
-        have = f"{out.dtype} of shape {out.shape}"
-        raise ValueError(f"out must be {dtype} of shape {shape}, C-contiguous and writeable, not {have}")
-    return out
+def _unpickle_instances(
+    scenes: tuple[Scene, ...],
+    transforms: npt.NDArray[np.float32],
+    threads: int | None,
+    mask: npt.NDArray[np.bool_] | None,
+) -> Scene:
+    scene = Scene.instances(scenes, transforms, threads=threads)
+    scene._mask = mask
+    return scene

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ._arrays import joined, located, starts
 from ._scene import AllHits, Hits, Scene
 
 __all__ = ["RaycastingScene", "Tensor"]
@@ -126,13 +127,30 @@ class RaycastingScene:
     @staticmethod
     def create_rays_pinhole(
         *,
-        intrinsic_matrix: Any,
-        extrinsic_matrix: Any,
         width_px: int,
         height_px: int,
+        intrinsic_matrix: Any = None,
+        extrinsic_matrix: Any = None,
+        fov_deg: float | None = None,
+        center: Any = None,
+        eye: Any = None,
+        up: Any = None,
     ) -> Tensor:
         """Rays of a pinhole camera, (height, width, 6) float32, through the middles of its pixels: directions reach the
-        plane at distance 1."""
+        plane at distance 1. The camera is given by its two matrices; or by its horizontal field of view, what it looks at,
+        where it is, and where up is, which is down in the picture."""
+        if fov_deg is not None:
+            focal = 0.5 * width_px / np.tan(np.radians(0.5 * fov_deg))
+            intrinsic_matrix = np.array([[focal, 0, 0.5 * width_px], [0, focal, 0.5 * height_px], [0, 0, 1]])
+            center, eye, up = (np.asarray(_array(point), np.float64) for point in (center, eye, up))
+            ahead = (center - eye) / np.linalg.norm(center - eye)
+            aside = np.cross(up, ahead)
+            aside /= np.linalg.norm(aside)
+            extrinsic_matrix = np.eye(4)
+            extrinsic_matrix[:3, :3] = aside, np.cross(ahead, aside), ahead
+            extrinsic_matrix[:3, 3] = -extrinsic_matrix[:3, :3] @ eye
+        elif intrinsic_matrix is None or extrinsic_matrix is None:
+            raise ValueError("give intrinsic_matrix and extrinsic_matrix, or fov_deg, center, eye and up")
         turned = np.asarray(_array(extrinsic_matrix), np.float64)
         inverse = np.linalg.inv(np.asarray(_array(intrinsic_matrix), np.float64))
         x, y = np.meshgrid(np.arange(width_px) + 0.5, np.arange(height_px) + 0.5)
@@ -143,13 +161,10 @@ class RaycastingScene:
     def _scene(self) -> Scene:
         """The scene of all meshes, one after another."""
         if self._built is None:
-            firsts = np.cumsum([0, *(len(vertices) for vertices, _ in self._meshes)])
-            shifted = [faces.astype(np.int64) + first for (_, faces), first in zip(self._meshes, firsts)]
-            vertices = np.concatenate([np.zeros((0, 3), np.float32), *(vertices for vertices, _ in self._meshes)])
-            faces = np.concatenate([np.zeros((0, 3), np.int64), *shifted])
+            vertices, faces = joined(self._meshes)
             self._built = Scene(vertices, faces, method=self._method, threads=self._threads)
             # Where the triangles of each mesh begin, and the normal of each; zeros, at the end, for none.
-            self._starts = np.cumsum([0, *map(len, shifted)])
+            self._starts = starts(len(faces) for _, faces in self._meshes)
             a, b, c = (vertices.astype(np.float64)[corner] for corner in faces.T)
             normals = np.cross(b - a, c - a)
             lengths = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -158,10 +173,8 @@ class RaycastingScene:
         return self._built
 
     def _ids(self, hits: Hits | AllHits) -> tuple[Tensor, Tensor]:
-        geometry = np.searchsorted(self._starts, hits.triangle, side="right") - 1
-        primitive = hits.triangle - self._starts[geometry]
-        for ids in (geometry, primitive):
-            ids[hits.triangle < 0] = self.INVALID_ID
+        # −1 becomes INVALID_ID.
+        geometry, primitive = located(self._starts, hits.triangle)
         return _tensor(geometry.astype(np.uint32)), _tensor(primitive.astype(np.uint32))
 
 

@@ -33,11 +33,20 @@ pub fn compare(
     tasks: impl IntoIterator<Item = Task>,
     run: &mut Run<'_>,
 ) -> Result<(), WrongAnswer> {
-    let facts = methods.iter().map(|entry| MethodFacts::of(entry).into());
-    run.lines.extend(facts);
+    if let Some(part) = run.claim() {
+        run.begin(part);
+        let facts = methods.iter().map(|entry| MethodFacts::of(entry).into());
+        run.lines.extend(facts);
+    }
     let random = Pcg64::seed_from_u64(seed);
     let mut measurement = Measurement { methods, rounds, random, run };
-    tasks.into_iter().try_for_each(|task| measurement.task(task))
+    for task in tasks {
+        if let Some(part) = measurement.run.claim() {
+            measurement.run.begin(part);
+            measurement.task(task)?;
+        }
+    }
+    Ok(())
 }
 
 impl MethodFacts {

@@ -64,8 +64,10 @@ impl Study for Comparison {
         let meshes = self.meshes.clone();
         let tasks = tasks::comparison(self.seed, self.full, self.meshes);
         compare(&self.methods, (self.seed, self.rounds), tasks, run)?;
-        let mut random = Pcg64::seed_from_u64(self.seed);
         for mesh in &meshes {
+            let Some(part) = run.claim() else { continue };
+            run.begin(part);
+            let mut random = Pcg64::seed_from_u64(self.seed);
             let classes = both_classes(mesh, None, self.seed);
             let turns = (TREE_ROUNDS.max(self.rounds), &mut random);
             together(&self.methods, mesh, &classes, turns, run)?;

@@ -16,24 +16,21 @@ use super::measure::{Compiled, flushing_variant, weighs};
 use super::record::{Clause, Contract, Outcome, SpecialValues};
 use super::settings::Stability;
 use crate::record::Line;
-use crate::study::Progress;
+use crate::study::Run;
 
 /// Rays, and triangles, of a scene of hostile input.
 const SIDE: usize = 64;
 
 /// Puts every method to the contract.
-pub(super) fn contract(settings: &Stability, progress: &mut dyn Progress) -> Vec<Line> {
-    progress.phase("stress: hostile input", settings.methods.len() as u64);
-    let mut lines = Vec::new();
+pub(super) fn contract(settings: &Stability, run: &mut Run<'_>) {
     // Both precisions share the tests.
     let each = settings.fuzz / 2 / settings.methods.len().max(1) as u64;
-    for entry in &settings.methods {
-        lines.extend(fuzz::<f32>(settings.seed, entry, each));
+    run.each("stress: hostile input", settings.methods.iter(), |entry| {
+        let mut lines = fuzz::<f32>(settings.seed, entry, each);
         lines.extend(fuzz::<f64>(settings.seed, entry, each));
         lines.extend(special_values(settings.seed, entry));
-        progress.step();
-    }
-    lines
+        lines
+    });
 }
 
 /// Tests and violations of each clause, by clause.

@@ -12,7 +12,7 @@ use super::measure::{Compiled, finders};
 use super::record::{Site, SurfaceCracks};
 use super::settings::Stability;
 use crate::record::Line;
-use crate::study::Progress;
+use crate::study::Run;
 
 /// Offsets that the rays of watertight forms are multiplied at.
 const OFFSETS: [f64; 3] = [0.0, 1e3, 1e6];
@@ -44,7 +44,7 @@ impl Place<'_> {
 
 /// Counts the rays that hit nothing, and those that hit more than one of the triangles that they are
 /// aimed at.
-pub(super) fn cracks(settings: &Stability, progress: &mut dyn Progress) -> Vec<Line> {
+pub(super) fn cracks(settings: &Stability, run: &mut Run<'_>) {
     let surfaces = [Surface::sphere(3), Surface::ragged_sphere(settings.seed), Surface::cube(4)];
     let aimed: Vec<(&Surface, Aim, Vec<Feature>)> = surfaces
         .iter()
@@ -61,14 +61,11 @@ pub(super) fn cracks(settings: &Stability, progress: &mut dyn Progress) -> Vec<L
             places.extend([1e-12, 1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9].map(|scale| place(0.0, scale)));
         }
     }
-    progress.phase("stress: looking for cracks", settings.methods.len() as u64);
-    let mut lines = Vec::new();
-    for entry in &settings.methods {
-        lines.extend(of_precision::<f32>(settings, entry, &places));
+    run.each("stress: looking for cracks", settings.methods.iter(), |entry| {
+        let mut lines = of_precision::<f32>(settings, entry, &places);
         lines.extend(of_precision::<f64>(settings, entry, &places));
-        progress.step();
-    }
-    lines
+        lines
+    });
 }
 
 fn of_precision<E: Compiled>(

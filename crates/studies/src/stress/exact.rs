@@ -2,6 +2,7 @@
 //! against the oracle, on every lane type, in both arrangements and in the tracer. And which of their
 //! stages decides.
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use rand::SeedableRng;
@@ -18,7 +19,7 @@ use super::measure::Compiled;
 use super::record::{ExactCounts, Exactness, Stages};
 use super::settings::Stability;
 use crate::record::Line;
-use crate::study::Progress;
+use crate::study::Run;
 
 /// Rays, and triangles, of a scene: every ray is made for one of the triangles.
 const SIDE: usize = 16;
@@ -156,10 +157,6 @@ impl Tally {
         self
     }
 
-    fn tests(&self) -> u64 {
-        self.counts.iter().map(|counts| counts.tests).sum()
-    }
-
     /// Holds the answers of a way to the truth.
     fn judge<E: Float>(&mut self, way: usize, scene: &Scene<E>, found: &[Answer], truth: &Truth) {
         let counts = &mut self.counts[way];
@@ -262,13 +259,9 @@ fn judge<E: Compiled>(
     }
 }
 
-/// Holds a method to the truth until there were so many tests: a record per way of testing.
-fn hold<E: Compiled>(
-    seed: u64,
-    entry: &Entry,
-    tests: u64,
-    progress: &mut dyn Progress,
-) -> Vec<Line> {
+/// Holds a method to the truth until there were so many tests: a record per way of testing. Each kind of scene is a part
+/// of the study, and their tests are counted whoever does them.
+fn hold<E: Compiled>(seed: u64, entry: &Entry, tests: u64, run: &mut Run<'_>) {
     let finders: Vec<&Finder> =
         E::kernels(entry).finders.iter().filter(|finder| finder.variant.is_available()).collect();
     let mut ways: Vec<String> = Vec::new();
@@ -281,56 +274,64 @@ fn hold<E: Compiled>(
         ways.extend(TRACINGS.map(|(name, _)| format!("tree {name}")));
     }
     let kinds = kinds::<E>(seed);
+    let (part, is_mine) = run.deal(kinds.len());
+    if !is_mine.contains(&true) {
+        return;
+    }
     let mut tallies = vec![Tally::new(ways.len()); kinds.len()];
     let mut first = 0;
     let mut done = 0;
     while done < tests {
-        let round: Vec<(usize, Tally)> = (0..kinds.len() as u64 * ROUND)
+        let round: Vec<(usize, u64, Tally)> = (0..kinds.len() as u64 * ROUND)
             .into_par_iter()
             .map(|at| {
                 let (kind, number) = (place(at, kinds.len()), first + at / kinds.len() as u64);
+                let scene = (kinds[kind].scene)(number);
                 let mut tally = Tally::new(ways.len());
-                judge::<E>(entry, &finders, &(kinds[kind].scene)(number), number, &mut tally);
-                (kind, tally)
+                if is_mine[kind] {
+                    judge::<E>(entry, &finders, &scene, number, &mut tally);
+                }
+                // In two arrangements.
+                let pairs = scene.rays.len() * scene.triangles.len();
+                (kind, (2 * finders.len() * pairs) as u64, tally)
             })
             .collect();
-        for (kind, tally) in round {
+        let before = done * 100 / tests;
+        for (kind, tests, tally) in round {
             tallies[kind] = std::mem::take(&mut tallies[kind]).with(tally);
+            done += tests;
         }
         first += ROUND;
-        let before = done * 100 / tests;
-        done = tallies.iter().map(Tally::tests).sum();
         for _ in before..(done * 100 / tests).min(100) {
-            progress.step();
+            run.progress.step();
         }
     }
-    ways.into_iter()
-        .enumerate()
-        .map(|(way, name)| {
-            let of_kinds = kinds.iter().zip(&tallies);
-            Line::from(Exactness {
-                method: entry.info.name.to_owned(),
-                precision: E::FORMAT,
-                way: name,
-                kinds: of_kinds
-                    .map(|(kind, tally)| (kind.name.clone(), tally.counts[way]))
-                    .collect(),
-                first_wrong: tallies.iter().find_map(|tally| tally.first_wrong[way].clone()),
-            })
-        })
-        .collect()
+    run.begin(part);
+    for (way, name) in ways.into_iter().enumerate() {
+        let mine = kinds.iter().zip(&tallies).zip(&is_mine).filter(|(_, is_mine)| **is_mine);
+        let by_name: BTreeMap<&String, &Tally> =
+            mine.map(|((kind, tally), _)| (&kind.name, tally)).collect();
+        run.add(Exactness {
+            method: entry.info.name.to_owned(),
+            precision: E::FORMAT,
+            way: name,
+            first_wrong: by_name.values().find_map(|tally| tally.first_wrong[way].clone()),
+            kinds: by_name
+                .into_iter()
+                .map(|(kind, tally)| (kind.clone(), tally.counts[way]))
+                .collect(),
+        });
+    }
 }
 
 /// Holds every method that claims to be exact to it.
-pub(super) fn exactness(settings: &Stability, progress: &mut dyn Progress) -> Vec<Line> {
-    let mut lines = Vec::new();
+pub(super) fn exactness(settings: &Stability, run: &mut Run<'_>) {
     for entry in settings.methods.iter().filter(|entry| entry.info.claims.exact) {
-        progress.phase("stress: exact decisions", 200);
+        run.progress.phase("stress: exact decisions", 200);
         let single = settings.exact / (SINGLE + 1) * SINGLE;
-        lines.extend(hold::<f32>(settings.seed, entry, single, progress));
-        lines.extend(hold::<f64>(settings.seed, entry, settings.exact - single, progress));
+        hold::<f32>(settings.seed, entry, single, run);
+        hold::<f64>(settings.seed, entry, settings.exact - single, run);
     }
-    lines
 }
 
 /// Rays of a scene whose lanes are counted, about.
@@ -338,17 +339,15 @@ const RAYS: usize = 64;
 
 /// Which stage decides, of methods that have several: on the pairs of each family, and for rays against all
 /// triangles of scenes.
-pub(super) fn stages(settings: &Stability, progress: &mut dyn Progress) -> Vec<Line> {
-    let staged = || settings.methods.iter().filter(|entry| !entry.stages.is_empty());
-    let mut lines = Vec::new();
-    progress.phase("stress: stages", staged().count() as u64);
-    for entry in staged() {
-        lines.extend(of_families::<f32>(settings, entry));
+pub(super) fn stages(settings: &Stability, run: &mut Run<'_>) {
+    let staged: Vec<&Entry> =
+        settings.methods.iter().copied().filter(|entry| !entry.stages.is_empty()).collect();
+    run.each("stress: stages", staged.into_iter(), |entry| {
+        let mut lines = of_families::<f32>(settings, entry);
         lines.extend(of_families::<f64>(settings, entry));
         lines.extend(of_scenes(settings.seed, entry));
-        progress.step();
-    }
-    lines
+        lines
+    });
 }
 
 fn counted<E: Compiled>(

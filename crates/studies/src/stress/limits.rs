@@ -12,7 +12,7 @@ use super::pairs::TruePair;
 use super::record::Limits;
 use super::settings::Stability;
 use crate::record::Line;
-use crate::study::Progress;
+use crate::study::Run;
 
 /// Levels this near to each other are one: limits have three digits.
 const NEAR: f64 = 1.0 + 1.0 / 1024.0;
@@ -25,30 +25,34 @@ const KNOBS: [Stress; 4] =
     [Stress::Scale, Stress::DirectionLength, Stress::FarOrigin, Stress::FarMesh];
 
 /// The limits of every method, precision and division, in plain arithmetic.
-pub(super) fn limits(settings: &Stability, progress: &mut dyn Progress) -> Vec<Line> {
-    progress.phase("stress: looking for limits", 2);
-    let mut lines = of_precision::<f32>(settings);
-    progress.step();
-    lines.extend(of_precision::<f64>(settings));
-    progress.step();
-    lines
+pub(super) fn limits(settings: &Stability, run: &mut Run<'_>) {
+    run.progress.phase("stress: looking for limits", 2);
+    of_precision::<f32>(settings, run);
+    run.progress.step();
+    of_precision::<f64>(settings, run);
+    run.progress.step();
 }
 
-fn of_precision<E: Compiled>(settings: &Stability) -> Vec<Line> {
-    settings
-        .methods
-        .par_iter()
-        .flat_map_iter(|entry| {
-            let mut probes =
-                Probes::<E> { seed: settings.seed, count: settings.probes, known: HashMap::new() };
-            let plain = finders(E::kernels(entry))
-                .into_iter()
-                .filter(|finder| finder.variant.arithmetic == MultiplyAdd::Plain);
-            plain
-                .flat_map(|finder| {
-                    KNOBS.map(|knob| probes.limits(entry, finder, knob)).into_iter().flatten()
-                })
-                .collect::<Vec<_>>()
+fn of_precision<E: Compiled>(settings: &Stability, run: &mut Run<'_>) {
+    let mine: Vec<(usize, &Entry)> =
+        settings.methods.iter().filter_map(|entry| Some((run.claim()?, *entry))).collect();
+    let found: Vec<(usize, Vec<Line>)> =
+        mine.into_par_iter().map(|(part, entry)| (part, of_method::<E>(settings, entry))).collect();
+    for (part, lines) in found {
+        run.begin(part);
+        run.lines.extend(lines);
+    }
+}
+
+fn of_method<E: Compiled>(settings: &Stability, entry: &Entry) -> Vec<Line> {
+    let mut probes =
+        Probes::<E> { seed: settings.seed, count: settings.probes, known: HashMap::new() };
+    let plain = finders(E::kernels(entry))
+        .into_iter()
+        .filter(|finder| finder.variant.arithmetic == MultiplyAdd::Plain);
+    plain
+        .flat_map(|finder| {
+            KNOBS.map(|knob| probes.limits(entry, finder, knob)).into_iter().flatten()
         })
         .collect()
 }

@@ -11,7 +11,7 @@ use super::record::Spread;
 use super::settings::Stability;
 use crate::answers::quantiles;
 use crate::record::{Line, Variant};
-use crate::study::Progress;
+use crate::study::Run;
 
 /// A precision that the catalogue compiles kernels in.
 pub(super) trait Compiled: Precision {
@@ -93,25 +93,22 @@ fn sets<E: Float>(settings: &Stability) -> Vec<Set<E>> {
 }
 
 /// Every method on every family of pairs.
-pub(super) fn hard_pairs(settings: &Stability, progress: &mut dyn Progress) -> Vec<Line> {
-    progress.phase("stress: asking the oracle", 2);
+pub(super) fn hard_pairs(settings: &Stability, run: &mut Run<'_>) {
+    run.progress.phase("stress: asking the oracle", 2);
     let single = sets::<f32>(settings);
-    progress.step();
+    run.progress.step();
     let double = sets::<f64>(settings);
-    progress.step();
+    run.progress.step();
     // The same numbers in double precision: how far a wider type carries.
     let widened: Vec<Set<f64>> = single.iter().map(Set::widened).collect();
 
-    progress.phase("stress: pairs", settings.methods.len() as u64);
-    let mut lines = Vec::new();
-    for entry in &settings.methods {
-        lines.extend(family_records(entry, &single, FloatFormat::F32, true));
+    run.each("stress: pairs", settings.methods.iter(), |entry| {
+        let mut lines = family_records(entry, &single, FloatFormat::F32, true);
         lines.extend(family_records(entry, &double, FloatFormat::F64, true));
         lines.extend(family_records(entry, &widened, FloatFormat::F32, false));
         lines.extend(pairs::flushing(entry, &single));
-        progress.step();
-    }
-    lines
+        lines
+    });
 }
 
 impl Set<f32> {

@@ -62,20 +62,20 @@ impl Study for Stability {
             compare(&self.methods, (self.seed, self.rounds), [timing(self.seed)], run)?;
         }
         if self.pairs > 0 {
-            run.lines.extend(measure::hard_pairs(&self, run.progress));
-            run.lines.extend(exact::stages(&self, run.progress));
+            measure::hard_pairs(&self, run);
+            exact::stages(&self, run);
         }
         if self.probes > 0 {
-            run.lines.extend(limits::limits(&self, run.progress));
+            limits::limits(&self, run);
         }
         if self.crack_rays > 0 {
-            run.lines.extend(cracks::cracks(&self, run.progress));
+            cracks::cracks(&self, run);
         }
         if self.fuzz > 0 {
-            run.lines.extend(contract::contract(&self, run.progress));
+            contract::contract(&self, run);
         }
         if self.exact > 0 {
-            run.lines.extend(exact::exactness(&self, run.progress));
+            exact::exactness(&self, run);
         }
         Ok(())
     }

@@ -15,7 +15,7 @@ lines! {
     Limits = "limits",
     Contract = "contract",
     SpecialValues = "special-values",
-    Exactness = "exactness",
+    Exactness = "exactness" joined Exactness::join_kinds,
     Stages = "stages",
 }
 
@@ -237,8 +237,29 @@ pub struct Exactness {
     pub way: String,
     /// By the kind of scene.
     pub kinds: BTreeMap<String, ExactCounts>,
-    /// The first answer that was wrong, with its input.
+    /// The first answer that was wrong, with its input: of the first kind by name in which any is.
     pub first_wrong: Option<String>,
+}
+
+impl Exactness {
+    /// Takes in other kinds of scenes; whether they are tested in the same way.
+    fn join_kinds(&mut self, other: &Self) -> bool {
+        let same = |line: &Self| (line.method.clone(), line.precision, line.way.clone());
+        let wrong = |line: &Self| {
+            let mut kinds = line.kinds.iter().filter(|(_, counts)| counts.all_wrong() > 0);
+            kinds.next().map(|(kind, _)| kind.clone())
+        };
+        let is_first = match (wrong(self), wrong(other)) {
+            (Some(mine), Some(other)) => mine < other,
+            (mine, _) => mine.is_some(),
+        };
+        if !is_first {
+            self.first_wrong.clone_from(&other.first_wrong);
+        }
+        let is_apart = other.kinds.keys().all(|kind| !self.kinds.contains_key(kind));
+        self.kinds.extend(other.kinds.clone());
+        is_apart && same(self) == same(other)
+    }
 }
 
 /// Answers held to the oracle's.

@@ -4,6 +4,7 @@ use clap::Args;
 use trisect_catalog::Entry;
 
 use crate::input::{count, methods};
+use crate::shard::Shard;
 use crate::study::StudyError;
 
 /// Study what every method does in stiff and extreme cases: wrong decisions and errors against the
@@ -27,6 +28,10 @@ pub struct Settings {
     /// Nothing but N tests of methods that claim to be exact, against the oracle: no report
     #[arg(long, value_name = "N", value_parser = count, conflicts_with_all = ["quick", "fuzz"])]
     pub exact: Option<u64>,
+    /// Only share I of N, from 1: its record alone, stress-I-of-N.jsonl in the folder; `trisect merge` makes
+    /// the record of one run of all
+    #[arg(long, value_name = "I/N", conflicts_with = "json")]
+    pub shard: Option<Shard>,
 }
 
 /// How much is studied; a part with nothing to do is left out.

@@ -92,6 +92,7 @@ pub(crate) fn header() -> Header {
             core_ghz: 3.0,
         },
         noise: Some(Noise { stolen: Some(0.003), drift: 0.011, spread: 0.008 }),
+        shard: None,
     }
 }
 

@@ -4,6 +4,7 @@
 use trisect_core::{Lanes, Ray, Vec3};
 
 use super::batch::RAYS;
+use crate::precision::Real;
 
 /// Rows and columns of a tile, which a packet is.
 pub(crate) const TILE: usize = 8;
@@ -134,12 +135,32 @@ pub(crate) fn of_origins(rays: &[Ray<f32>]) -> Order {
         return Order::Packets;
     }
     let tiles = |length: f32| (length / side).round().clamp(1.0, f32::from(TILES));
-    let (columns, rows) = (tiles(width), tiles(height));
+    let counts = extent.sides().map(tiles);
+    Order::Reordered(in_tiles(rays.iter().map(|ray| plane.point(ray.o)), &extent, counts))
+}
+
+/// The order of points by what is above them, along the last axis: those that are near each other meet the same boxes.
+pub(crate) fn of_columns<P: Real>(points: &[Vec3<P>]) -> Vec<u32> {
+    let first = points.first().map_or([P::ZERO; 2], |point| [point.x, point.y]);
+    #[allow(clippy::cast_possible_truncation, reason = "rounds")]
+    let across = |point: &Vec3<P>| {
+        [(point.x - first[0]).to_f64() as f32, (point.y - first[1]).to_f64() as f32]
+    };
+    let points = points.iter().map(across);
+    in_tiles(points.clone(), &Extent::of(points), [f32::from(TILES); 2])
+}
+
+/// The order of points, tile by tile of so many columns and rows.
+fn in_tiles(
+    points: impl ExactSizeIterator<Item = [f32; 2]>,
+    extent: &Extent,
+    [columns, rows]: [f32; 2],
+) -> Vec<u32> {
+    let [width, height] = extent.sides();
     let (to_column, to_row) = (columns / width, rows / height);
     let mut counts = [0_u32; TILES as usize * TILES as usize];
-    let mut tile_of = Vec::with_capacity(rays.len());
-    for ray in rays {
-        let [u, v] = plane.point(ray.o);
+    let mut tile_of = Vec::with_capacity(points.len());
+    for [u, v] in points {
         let column = whole((u - extent.min[0]) * to_column, columns);
         let row = whole((v - extent.min[1]) * to_row, rows);
         // To and fro, since some packets reach into the next row of tiles.
@@ -153,12 +174,12 @@ pub(crate) fn of_origins(rays: &[Ray<f32>]) -> Order {
         sum += *count;
         *count = sum - *count;
     }
-    let mut indices = vec![0; rays.len()];
+    let mut indices = vec![0; tile_of.len()];
     for (index, tile) in (0..).zip(tile_of) {
         indices[counts[tile] as usize] = index;
         counts[tile] += 1;
     }
-    Order::Reordered(indices)
+    indices
 }
 
 /// A number rounded down, brought to at least zero and less than `end`, which is at most [`TILES`].

@@ -57,11 +57,16 @@ pub(crate) fn moves<L: Lanes<Elem = f32>>(ray: &Ray<L>) -> L::Mask {
     ray.d.largest_magnitude().gt(ray.d.x.constant(0.0))
 }
 
-/// How far sides are moved outwards, as a distance along an axis of that inverse direction: given
-/// [`reach`](Slabs::new), and the largest coordinate of the origin.
+/// How far sides are moved outwards: given [`reach`](Slabs::new), and the largest coordinate of the origin.
+#[inline(always)]
+pub(crate) fn outwards<L: Lanes<Elem = f32>>(reach: f32, o: L) -> L {
+    (o + o.constant(reach)) * o.constant(MARGIN)
+}
+
+/// The same as a distance along an axis of that inverse direction.
 #[inline(always)]
 pub(crate) fn margin<L: Lanes<Elem = f32>>(reach: f32, o: L, inverse: Vec3<L>) -> Vec3<L> {
-    let by = (o + o.constant(reach)) * o.constant(MARGIN);
+    let by = outwards(reach, o);
     let least = by.constant(UNDERFLOW);
     Vec3::new(
         inverse.x.magnitude() * by + least,

@@ -434,7 +434,7 @@ fn in_order(a: Waiting, b: Waiting) -> (Waiting, Waiting) {
 
 /// The index of the lowest bit.
 #[inline(always)]
-fn lowest(bits: u64) -> usize {
+pub(super) fn lowest(bits: u64) -> usize {
     bits.trailing_zeros() as usize % WIDTH
 }
 
