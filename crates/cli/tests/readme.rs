@@ -34,6 +34,7 @@ fn documents_are_spliced_from_their_record() {
         ("study", &["docs/TRACER.md"]),
         ("pictures", &["docs/PICTURES.md"]),
         ("omissions", &["docs/NEEDS.md"]),
+        ("forms", &["docs/HAVEL.md", "docs/PICTURES.md"]),
     ] {
         let file = std::fs::File::open(folder.join(format!("{record}.jsonl.gz")))
             .expect("the documents name it");
