@@ -4,7 +4,7 @@
 use anyhow::{Result, ensure};
 use fearless_simd::f32x8;
 use fearless_simd::x86::Avx2;
-use trisect_core::{Fused, Hit, Lanes as _, Ray, Token as _, Triangle, Vector};
+use trisect_core::{Fused, Hit, Lanes as _, Ray, Token as _, Triangle, Vec3, Vector};
 use trisect_kernels::{BLOCK, PreparedTriangles, one_ray_until};
 use trisect_machine::forms::LeafTime;
 use trisect_method::{Culling, Deferred, TrueDivision};
@@ -159,7 +159,7 @@ fn closest(
 impl Node {
     fn new(triangles: &mut [Triangle<f32>], leaf: usize, leaves: &mut Vec<Leaf>) -> Result<Self> {
         let [low, high] = Bounds::of(triangles)
-            .map_or([[0.0; 3]; 2], |bounds| [bounds.min, bounds.max].map(|end| end.to_array()));
+            .map_or([[0.0; 3]; 2], |bounds| [bounds.min, bounds.max].map(Vec3::to_array));
         let inside = if triangles.len() <= leaf {
             leaves.push((triangles.len() as u64, PreparedTriangles::new(triangles)?));
             Inside::Leaf(leaves.len() - 1)

@@ -33,7 +33,7 @@ impl<'a, X: Debug> Timed<'a, X> {
 
     fn sample(&mut self) -> Result<()> {
         let Self { run, repeats, .. } = self;
-        let runs = || (0..*repeats).map(|_| black_box(run())).last().unwrap_or_default();
+        let runs = || (0..*repeats).fold(Tally::default(), |_, _| black_box(run()));
         let (found, spent) = timed(runs);
         let hits = self.found.hits;
         ensure!(found.hits == hits, "{:?} found {} hits, then {}", self.what, hits, found.hits);

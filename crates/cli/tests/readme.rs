@@ -27,16 +27,15 @@ fn documents_show_what_trisect_prints() {
 #[test]
 fn documents_are_spliced_from_their_record() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let folder = root.join("reports/2026-11-28-zen5");
     for (record, documents) in [
-        ("record", &["docs/METHODS.md", "docs/HAVEL.md"][..]),
-        ("stress", &["docs/STABILITY.md", "docs/CONTRACT.md"]),
-        ("study", &["docs/TRACER.md"]),
-        ("pictures", &["docs/PICTURES.md"]),
-        ("omissions", &["docs/NEEDS.md"]),
-        ("forms", &["docs/HAVEL.md", "docs/PICTURES.md"]),
+        ("2026-11-28-zen5/record", &["docs/METHODS.md", "docs/HAVEL.md"][..]),
+        ("2026-11-28-zen5/stress", &["docs/STABILITY.md", "docs/CONTRACT.md"]),
+        ("2026-11-28-zen5/study", &["docs/TRACER.md"]),
+        ("2026-11-28-zen5/pictures", &["docs/PICTURES.md"]),
+        ("2026-11-28-zen5/omissions", &["docs/NEEDS.md"]),
+        ("2026-12-01-sapphire-rapids/forms", &["docs/HAVEL.md", "docs/PICTURES.md"]),
     ] {
-        let file = std::fs::File::open(folder.join(format!("{record}.jsonl.gz")))
+        let file = std::fs::File::open(root.join(format!("reports/{record}.jsonl.gz")))
             .expect("the documents name it");
         let records = trisect_studies::read(std::io::BufReader::new(file)).expect("a sound record");
         for &document in documents {

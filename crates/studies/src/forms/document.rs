@@ -13,13 +13,14 @@ use super::morozov;
 use super::pairs::{Change, Forms, WORKLOADS};
 use crate::lines::{distinct, source};
 use crate::record::Records;
-use crate::statement::{Statement, found, said};
+use crate::statement::{Statement, found, said, unmeasured};
 
 pub(super) fn document(records: &Records) -> Document {
     let forms = Forms::new(records);
     let statements =
-        [first, moved, worst, signs, newton, packets].map(|statement| statement(&forms)).to_vec();
-    let statements = Section::new("havel", "Moving the division", Content::List(statements));
+        [first, moved, worst, signs, newton, packets, layout].map(|statement| statement(&forms));
+    let statements =
+        Section::new("havel", "Moving the division", Content::List(statements.to_vec()));
     let mut sections = vec![statements.part("havel-forms").shown(Shown::Everywhere)];
     sections.extend(WORKLOADS.iter().enumerate().map(|(place, (workload, says))| {
         let part = if place == 0 { "havel-forms" } else { "" };
@@ -162,6 +163,13 @@ fn packets(forms: &Forms<'_>) -> Statement {
              not measured.",
             each.collect::<Vec<_>>().join("; ")
         ),
+    )
+}
+
+fn layout(_: &Forms<'_>) -> Statement {
+    unmeasured(
+        "4.2.3: arrays of structures, structures of arrays, and blocks.",
+        "Triangles lie in blocks of sixteen throughout.",
     )
 }
 
