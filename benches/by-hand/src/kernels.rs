@@ -1,8 +1,8 @@
 //! The project's kernels, called as a program of one's own would.
 
 use trisect_core::{Hit, Lanes, Ray, Token};
-use trisect_kernels::{BLOCK, PreparedTriangles, one_ray, one_ray_until};
-use trisect_method::{Culling, Division, Method, Needs};
+use trisect_kernels::{BLOCK, Packets, PreparedTriangles, one_ray, one_ray_until, one_triangle};
+use trisect_method::{Barycentrics, Culling, Division, Method, Needs};
 
 use crate::Tally;
 use crate::loops::nearest;
@@ -34,6 +34,43 @@ pub(crate) fn count<M: Method, L: Lanes<Elem = f32>, D: Division, N: Needs>(
                     },
                 );
             }
+            let mut sums = [0.0; BLOCK];
+            sum.store(&mut sums);
+            Tally { hits, sum: sums.into_iter().map(f64::from).sum() }
+        },
+    ))
+}
+
+/// How many pairs hit, and the sum of `t`, `beta` and `gamma` over them.
+pub(crate) fn values<M: Method, L: Lanes<Elem = f32>, D: Division>(
+    rays: &[Ray<f32>],
+    triangles: &PreparedTriangles<M, f32>,
+) -> Option<Tally> {
+    count::<M, L, D, Barycentrics>(rays, triangles)
+}
+
+/// The same, of packets of rays against one triangle at a time.
+pub(crate) fn values_of_packets<M: Method, L: Lanes<Elem = f32>, D: Division>(
+    rays: &Packets<f32>,
+    triangles: &PreparedTriangles<M, f32>,
+) -> Option<Tally> {
+    let token = L::Token::detect()?;
+    Some(token.run(
+        #[inline(always)]
+        || {
+            let zero = L::splat(token, 0.0);
+            let (mut hits, mut sum) = (0, zero);
+            one_triangle::<M, L, D>(
+                token,
+                rays,
+                triangles,
+                Culling::None,
+                #[inline(always)]
+                |_, mask, Hit { t, beta, gamma }| {
+                    hits += u64::from(L::bits(mask).count_ones());
+                    sum = sum + L::select(mask, t + (beta + gamma), zero);
+                },
+            );
             let mut sums = [0.0; BLOCK];
             sum.store(&mut sums);
             Tally { hits, sum: sums.into_iter().map(f64::from).sum() }

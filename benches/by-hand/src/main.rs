@@ -1,20 +1,31 @@
 //! Loops of hand-written intrinsics against the project's kernels of the same formula: called directly, and,
 //! with the feature `catalogue`, as the catalogue has them. All take turns in one process, in an order drawn by
 //! lot, and the fastest sample of each counts: it is the one that a machine's other work disturbs least.
+//!
+//! With `--record` it times forms of one test instead, and writes what `trisect report` reads.
 #![cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "there is nothing by hand"))]
 
+#[cfg(target_arch = "x86_64")]
+mod calls;
 #[cfg(all(feature = "catalogue", target_arch = "x86_64"))]
 mod catalogue;
 #[cfg(target_arch = "x86_64")]
 mod contenders;
 #[cfg(target_arch = "x86_64")]
 mod isa;
-mod kernels;
+#[cfg(target_arch = "x86_64")]
+mod leaves;
 #[cfg(target_arch = "x86_64")]
 mod loops;
-mod scalars;
+
+mod borders;
+mod forms;
+mod kernels;
+mod record;
+mod timed;
 
 use std::hint::black_box;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::{Result, ensure};
@@ -34,17 +45,24 @@ const SIDE: usize = 512;
 /// How often every ray meets every triangle in a sample.
 const REPEATS: u32 = 8;
 
-/// Holds the kernels of four methods against loops of hand-written intrinsics, and times the forms of one scalar
-/// test of seven.
+/// Holds the kernels of four methods against loops of hand-written intrinsics, or writes a record of the forms of one
+/// test, of what they decide on borders, and of what leaves and calls cost.
 #[derive(Parser)]
 struct Arguments {
     /// Print JSON.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "record")]
     json: bool,
-    /// Samples of each contender, one per round.
-    #[arg(long, default_value_t = 100, value_parser = clap::value_parser!(u16).range(1..))]
-    rounds: u16,
-    /// Only comparisons whose name, as `wald f32×8 avx2 occlusion deferred`, contains this.
+    /// Write a record of forms, which `trisect report` reads.
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// What the record says of the compiler's settings, where they are not the project's: nothing but forms is timed.
+    #[arg(long, value_name = "TEXT", default_value = "", requires = "record")]
+    compiler: String,
+    /// Samples of each contender, one per round; 100 if left out, and 21 of a record.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    rounds: Option<u16>,
+    /// Only what has this in its name, as `wald f32×8 avx2 occlusion deferred`, or as
+    /// `wald 8 avx2 one-ray early exits random` in a record.
     #[arg(long, default_value = "")]
     only: String,
 }
@@ -111,11 +129,36 @@ struct Row {
 
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
+    match &arguments.record {
+        Some(path) => write_record(&arguments, path),
+        None => compare(&arguments),
+    }
+}
+
+/// Writes a record of forms.
+fn write_record(arguments: &Arguments, path: &Path) -> Result<()> {
+    let Arguments { compiler, only, rounds, .. } = arguments;
+    let mut record = record::Record::new(rounds.unwrap_or(21).into());
+    forms::time(&mut record, only, compiler)?;
+    record.clock();
+    if compiler.is_empty() {
+        borders::decide(&mut record)?;
+        #[cfg(target_arch = "x86_64")]
+        {
+            leaves::time(&mut record)?;
+            calls::time(&mut record)?;
+            record.clock();
+        }
+    }
+    record.write(path)
+}
+
+/// Prints a table of kernels and loops by hand.
+fn compare(arguments: &Arguments) -> Result<()> {
     let workload = random(SEED, SIDE, SIDE);
     let mut all = Vec::new();
     #[cfg(target_arch = "x86_64")]
     contenders::all(&workload, &mut all)?;
-    scalars::all(&workload, &mut all)?;
     all.retain(|contender| contender.comparison.to_string().contains(&arguments.only));
     ensure!(
         !all.is_empty(),
@@ -124,9 +167,10 @@ fn main() -> Result<()> {
     );
     agree(&all)?;
     let tests = (workload.rays.len() * workload.triangles.len()) as f64;
+    let rounds = arguments.rounds.unwrap_or(100);
     let mut order: Vec<usize> = (0..all.len()).collect();
     let mut lot = Pcg64::seed_from_u64(SEED);
-    for _ in 0..arguments.rounds {
+    for _ in 0..rounds {
         order.shuffle(&mut lot);
         for &at in &order {
             let contender = &mut all[at];
@@ -142,7 +186,7 @@ fn main() -> Result<()> {
     if arguments.json {
         println!("{}", serde_json::to_string_pretty(&rows)?);
     } else {
-        print(&rows, arguments.rounds);
+        print(&rows, rounds);
     }
     Ok(())
 }

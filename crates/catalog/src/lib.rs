@@ -26,12 +26,6 @@ pub use trisect::trees::{BuildTree, NAMES as TREES_F64};
 
 pub use trisect_tracer::{Builder, Leaves, Statistics, Tracing, Tree, TriangleHit, fast_lanes};
 
-/// The compiler of the kernels, with its version.
-pub const COMPILER: &str = env!("TRISECT_COMPILER");
-
-/// How the kernels are compiled: profile, level of optimisation, target and flags.
-pub const BUILD: &str = env!("TRISECT_BUILD");
-
 /// A method with its compiled kernels.
 pub struct Entry {
     /// Facts about the method.

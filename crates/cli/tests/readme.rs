@@ -33,6 +33,7 @@ fn documents_are_spliced_from_their_record() {
         ("2026-11-28-zen5/study", &["docs/TRACER.md"]),
         ("2026-12-01-sapphire-rapids/pictures", &["docs/PICTURES.md"]),
         ("2026-11-28-zen5/omissions", &["docs/NEEDS.md"]),
+        ("2026-12-01-sapphire-rapids/forms", &["docs/HAVEL.md", "docs/PICTURES.md"]),
     ] {
         let file = std::fs::File::open(root.join(format!("reports/{record}.jsonl.gz")))
             .expect("the documents name it");

@@ -94,6 +94,8 @@ pub struct Section {
     pub shown: Shown,
     /// Of a list, the line that opens it on the page; it is open without one.
     pub fold: String,
+    /// Of a figure, another one that the page shows in its place when a switch is pressed.
+    pub other: Option<Box<Section>>,
 }
 
 /// An answer: what it is about, what it is, and how that was found.
@@ -139,6 +141,7 @@ impl Section {
             part: "",
             shown: Shown::Page,
             fold: String::new(),
+            other: None,
         }
     }
 
@@ -205,6 +208,12 @@ impl Section {
     /// The same list, opened on the page by this line.
     pub fn folded(self, fold: impl Into<String>) -> Self {
         Self { fold: fold.into(), ..self }
+    }
+
+    /// The same figure, which a switch of the page changes for another one; for that alone where there is nothing of
+    /// the other.
+    pub fn or(self, other: Self) -> Self {
+        Self { other: (!other.is_empty()).then(|| Box::new(other)), ..self }
     }
 
     /// Whether there is nothing of it.

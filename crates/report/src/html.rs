@@ -78,7 +78,8 @@ pub fn draw(document: &Document, links: &[Link]) -> Result<Page, PageError> {
     let shown: Vec<&Section> = document.sections.iter().filter(is_shown).collect();
     let mut files = Vec::new();
     let mut figures = BTreeMap::new();
-    for &section in &shown {
+    let others = shown.iter().flat_map(|section| [Some(*section), section.other.as_deref()]);
+    for section in others.flatten() {
         let Content::Figure(drawing) = &section.content else { continue };
         if section.is_empty() {
             continue;

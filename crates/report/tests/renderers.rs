@@ -228,3 +228,22 @@ fn extreme_numbers_are_drawn() {
         }
     }
 }
+
+/// A figure and another one in its place: both are drawn, and a switch shows one of them; without anything of the
+/// other there is no switch.
+#[test]
+fn a_switch_shows_one_of_two_figures() {
+    let figure = |id, drawing| Section::figure(id, id, "A caption.", drawing);
+    let page = |other: Drawing| {
+        let sections = vec![figure("one", drawing()).or(figure("other", other))];
+        html::draw(&Document { sections, ..document() }, &[]).expect("it is drawn")
+    };
+    let both = page(drawing());
+    let names: Vec<&str> = both.figures.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["one.svg", "one-narrow.svg", "other.svg", "other-narrow.svg"]);
+    let radios = both.html.matches("<input type=\"radio\" name=\"one-shown\"").count();
+    assert_eq!((radios, both.html.matches(" checked>").count()), (2, 1));
+    let alone = page(Drawing::default());
+    assert_eq!(alone.figures.len(), 2);
+    assert!(!alone.html.contains("radio\""));
+}

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod comparison;
+pub mod forms;
 pub mod omissions;
 pub mod pictures;
 pub mod recommend;
@@ -13,12 +14,11 @@ pub mod file;
 pub mod input;
 mod kernels;
 mod lines;
-pub mod machine;
-pub mod noise;
 mod publish;
 pub mod record;
 mod registry;
 mod shard;
+mod statement;
 mod study;
 mod subject;
 mod surface;
@@ -32,3 +32,4 @@ pub use study::{About, Chapter, Progress, Run, Silent, Study, StudyError, Taken}
 pub use subject::{Inputs, Unrounded};
 pub use surface::open_edges;
 pub use timing::{WrongAnswer, nanoseconds};
+pub use trisect_machine::{facts as machine, noise};

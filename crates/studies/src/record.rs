@@ -10,7 +10,7 @@ use std::sync::Arc;
 use serde::de::{DeserializeOwned, Error as _};
 use serde::{Deserialize, Serialize};
 pub use trisect_catalog::Variant;
-use trisect_core::InstructionSet;
+pub use trisect_machine::Machine;
 
 use crate::noise::Noise;
 use crate::shard::Shard;
@@ -49,26 +49,6 @@ pub struct Header {
     /// Which share of the study it is; none where it is whole.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shard: Option<Shard>,
-}
-
-/// The machine a record was made on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Machine {
-    /// The processor's own name.
-    pub cpu: String,
-    /// How many logical processors the process may use.
-    pub logical_cpus: usize,
-    /// Instruction sets that kernels may use here, weakest first.
-    pub instruction_sets: Vec<InstructionSet>,
-    /// Operating system and architecture.
-    pub platform: String,
-    /// The compiler and its version.
-    pub compiler: String,
-    /// Compiler flags, profile and target of the build.
-    pub build: String,
-    /// Frequency of the core while measuring, in GHz: median over the rounds of a chain of
-    /// dependent operations of known latency. Cycles are derived from it.
-    pub core_ghz: f64,
 }
 
 /// A kind of line.

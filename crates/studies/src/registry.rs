@@ -7,6 +7,7 @@ use std::path::Path;
 use flate2::bufread::MultiGzDecoder;
 
 use crate::comparison::settings::Comparison;
+use crate::forms;
 use crate::record::{Parser, ReadError, Records};
 use crate::shard::Part;
 use crate::study::{Chapter, Study};
@@ -37,10 +38,11 @@ macro_rules! studies {
             }
         }
 
-        /// All studies as chapters of a report, the comparison first: in the order in which pages lead to
-        /// each other.
+        /// All studies as chapters of a report, the comparison first and what a program beside trisect writes last:
+        /// in the order in which pages lead to each other.
         pub fn chapters() -> &'static [Chapter] {
-            static CHAPTERS: &[Chapter] = &[Chapter::of::<Comparison>(), $(Chapter::of::<$study>()),+];
+            static CHAPTERS: &[Chapter] =
+                &[Chapter::of::<Comparison>(), $(Chapter::of::<$study>(),)+ forms::CHAPTER];
             CHAPTERS
         }
     };

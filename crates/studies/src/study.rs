@@ -118,6 +118,15 @@ impl Chapter {
         }
     }
 
+    /// What a program writes that is no study of trisect's, as a chapter.
+    pub(crate) const fn of_program(
+        about: About,
+        document: fn(&Records) -> Document,
+        summary: fn(&Records, &mut dyn Write) -> serde_json::Result<()>,
+    ) -> Self {
+        Self { about, document, summary }
+    }
+
     /// What a record says.
     pub fn document(&self, records: &Records) -> Document {
         (self.document)(records)

@@ -2,7 +2,7 @@
 
 mod document;
 mod measure;
-mod morozov;
+pub(crate) mod morozov;
 mod record;
 mod settings;
 

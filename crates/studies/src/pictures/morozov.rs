@@ -8,7 +8,7 @@ use super::record::{FrameSeries, Frames};
 pub(super) const SCENE: &str = "morozov";
 
 /// A row of one of his tables.
-pub(super) struct Row {
+pub(crate) struct Row {
     /// Which of his tables.
     pub table: u32,
     /// What changes from row to row.
@@ -49,7 +49,7 @@ impl Asked {
 }
 
 /// All rows, in the order of his tables.
-pub(super) fn rows() -> impl Iterator<Item = Row> {
+pub(crate) fn rows() -> impl Iterator<Item = Row> {
     let lines = include_str!("morozov.tsv").lines().filter(|line| !line.starts_with('#'));
     lines.skip(1).filter_map(row)
 }

@@ -15,7 +15,7 @@ use trisect_report::figure::{
     Axis, Drawing, Entry, Group, Ink, Look, Mark, Panel, Plane, Row, Sample, Scale, Series, Shape,
     points,
 };
-use trisect_report::format::{bytes, mtests, percent, ratio, scientific, tick};
+use trisect_report::format::{bytes, mtests, number, percent, ratio, scientific, tick};
 use trisect_report::stats::{geometric_mean, pareto_front};
 
 /// All figures, the headline first.
@@ -72,6 +72,56 @@ fn pareto(view: &View) -> Section {
             "the 99th percentile of the relative error of t against exact arithmetic",
         ),
     };
+    let wrong = points.iter().filter_map(|point| {
+        Some(FrontPoint {
+            error: view.fewest_cracks(|v| v.rounds_like(&point.variant))?,
+            ..point.clone()
+        })
+    });
+    let wrong = Plotted {
+        id: "wrong-against-time",
+        title: "Wrong decisions against run time",
+        name: "wrong decisions per million",
+        short: "wrong per million",
+        write: number,
+        says: "how many of a million rays from inside a closed sphere, aimed at its edges, hit nothing, so that a \
+               decision about a pair was wrong",
+        points: wrong.collect(),
+    };
+    let error = Plotted {
+        id: "error-against-time",
+        title: "Error against run time",
+        name,
+        short: "error",
+        write: scientific,
+        says,
+        points,
+    };
+    let missing = if view.throughput.is_empty() {
+        NOTHING_TIMED
+    } else {
+        "Left out: the record holds no error of t against the oracle for the variants that it times."
+    };
+    let [error, wrong] = [error, wrong].map(|of| against_time(view, of, &workloads));
+    error.missing(missing).or(wrong)
+}
+
+/// What a figure sets against run time.
+struct Plotted {
+    id: &'static str,
+    title: &'static str,
+    /// Of the axis, and of a point.
+    name: &'static str,
+    short: &'static str,
+    write: fn(f64) -> String,
+    /// The same in a sentence.
+    says: &'static str,
+    points: Vec<FrontPoint>,
+}
+
+/// A panel for each precision.
+fn against_time(view: &View, plotted: Plotted, workloads: &[&str]) -> Section {
+    let Plotted { id, title, name, short, write, says, points } = plotted;
     // Of each method in each precision the fastest variant: they come fastest first.
     let mut fastest: Vec<&FrontPoint> = Vec::new();
     for point in &points {
@@ -85,17 +135,17 @@ fn pareto(view: &View) -> Section {
          of the median over rounds; up, {says}. For a method on the stepped line none is both faster and more accurate. Those, \
          Möller–Trumbore and what is exact are named, in the colours of their families.",
         asked(view),
-        on(&workloads)
+        on(workloads)
     );
     let mut told_families = [false; FAMILIES.len()];
     let shown = |point: &FrontPoint, look| {
         let FrontPoint { variant, ns_per_test, error } = point;
         let says = format!(
-            "{}, {}; {} ns, error {}",
+            "{}, {}; {} ns, {short} {}",
             lanes_label(variant),
             finish_label(variant),
             tick(*ns_per_test),
-            scientific(*error)
+            write(*error)
         );
         Series::points(look, true, vec![(*ns_per_test, *error)]).of(&*variant.method).says(says)
     };
@@ -131,18 +181,12 @@ fn pareto(view: &View) -> Section {
         told.map(|family| Entry::of(Look::of(family), FAMILIES[family])).collect();
     legend.push(Entry::of(Look::plain(Ink::Grid), "other methods"));
     legend.push(Entry::new(Sample::Line(Ink::Muted), "Pareto front"));
-    let missing = if view.throughput.is_empty() {
-        NOTHING_TIMED
-    } else {
-        "Left out: the record holds no error of t against the oracle for the variants that it times."
-    };
     let drawing = if panels.is_empty() {
         Drawing::default()
     } else {
         Drawing { panels, legend, key: Vec::new() }
     };
-    Section::figure("error-against-time", "Error against run time", caption, drawing)
-        .missing(missing)
+    Section::figure(id, title, caption, drawing)
 }
 
 /// How lanes are told apart in a figure: by their instruction set, or as no lanes at all.

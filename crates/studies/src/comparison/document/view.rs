@@ -333,8 +333,13 @@ impl<'a> View<'a> {
     /// Rays per million that a method lets out of a closed surface, in plain arithmetic and the form
     /// of the division that lets out fewest.
     pub(crate) fn cracks_per_million(&self, method: &str) -> Option<f64> {
+        self.fewest_cracks(|v| v.method == method && v.arithmetic == MultiplyAdd::Plain)
+    }
+
+    /// The same of the variants that `keep` lets pass.
+    pub(crate) fn fewest_cracks(&self, keep: impl Fn(&Variant) -> bool) -> Option<f64> {
         self.all::<Cracks>()
-            .filter(|c| c.variant.method == method && c.variant.arithmetic == MultiplyAdd::Plain)
+            .filter(|c| keep(&c.variant))
             .map(|c| c.no_hit as f64 * 1e6 / c.rays.max(1) as f64)
             .min_by(f64::total_cmp)
     }

@@ -281,20 +281,19 @@ impl Study<'_> {
         let levels = self.rows().filter_map(|row| self.thin_of(row));
         let levels: Vec<f64> = levels.filter(|level| level.is_finite()).collect();
         if levels.is_empty() {
-            return ("Thin triangles.", "The record does not tell.".to_owned());
+            return ("Thin triangles.", "This record has no such pairs.".to_owned());
         }
         let first = levels.iter().copied().fold(f64::INFINITY, f64::min);
         let last = levels.iter().copied().fold(0.0, f64::max);
         let at = |level: f64| self.names(|row| self.thin_of(row) == Some(level));
         let is_endless = |row: &StressRow| self.thin_of(row) == Some(f64::INFINITY);
         let endless = if self.rows().any(is_endless) {
-            format!(" At any ratio is right: {}.", self.names(is_endless))
+            format!(" Right at any ratio: {}.", self.names(is_endless))
         } else {
             String::new()
         };
         let says = format!(
-            "Answers are off by more than a thousandth from a ratio of edge to height of {} on ({}) to one of \
-             {} ({}).{endless} Stored planes lose their normal to the cross product of long edges when they are \
+            "Answers are off by more than a thousandth once edge over height reaches {} ({}) to {} ({}).{endless} Stored planes lose their normal to the cross product of long edges when they are \
              prepared; methods that form volumes with the ray's own direction do not. (Figure *Where each \
              method first fails*.)",
             level_text(first),
@@ -443,7 +442,7 @@ impl Study<'_> {
         let says = format!(
             "Möller–Trumbore in f64, the usual reference, is drawn as a line of its own in every figure. {}: \
              good enough to judge f32 by, whose own error there is many times larger, and no oracle.",
-            worst.unwrap_or_else(|| "The record does not tell".to_owned())
+            worst.unwrap_or_else(|| "This record does not say how large its errors are".to_owned())
         );
         ("The reference.", says)
     }

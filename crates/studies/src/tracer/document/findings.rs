@@ -65,14 +65,14 @@ impl Study<'_> {
             or_dash(slope.map(|slope| 2_f64.powf(slope)), fixed)
         };
         let how = format!(
-            "a kernel that is twice as fast makes single rays that much faster for their closest hits \
-             (correlation of the logarithms {correlation:.2}); {} for any hit, in packets {} and {}",
+            "what a kernel twice as fast gains for closest hits of single rays (correlation of the logarithms \
+             {correlation:.2}); for any hit {}, in packets {} and {}",
             write("single", true),
             write("packets", false),
             write("packets", true)
         );
-        let says = format!("{} for twice", times(2_f64.powf(slope)));
-        Some(Finding::new("What is left of a kernel's gain", says, how))
+        let says = format!("{} from a kernel twice as fast", times(2_f64.powf(slope)));
+        Some(Finding::new("How much of a kernel's gain remains", says, how))
     }
 
     fn fastest_kernel(&self) -> Option<Finding> {
@@ -126,8 +126,7 @@ impl Study<'_> {
             let time = self.tree_against_default(is_of, |tree| middle(&tree.samples_ns))?;
             Some(format!("{speed:.2} of the speed for {time:.2} of the time"))
         };
-        let how =
-            format!("against the one that splits space; the binned one has {}", of("binned")?);
+        let how = format!("compared with the builder that splits space; binned: {}", of("binned")?);
         Some(Finding::new("Builders", format!("linear, {}", of("linear")?), how))
     }
 
@@ -139,8 +138,8 @@ impl Study<'_> {
         };
         let (sixteen, thirty_two) = (of("16")?, of("32")?);
         let how = format!(
-            "where up to sixteen triangles always become a leaf, instead of where that is the cheapest, in \
-             {:.2} of the memory; with thirty-two {:.2} of the speed in {:.2} of the memory",
+            "where up to sixteen triangles always become a leaf, not only where that is cheapest: {:.2} of the \
+             memory; with thirty-two {:.2} of the speed in {:.2} of the memory",
             sixteen.1, thirty_two.0, thirty_two.1
         );
         let says = format!("{:.2} of the speed with sixteen", sixteen.0);
@@ -167,8 +166,8 @@ impl Study<'_> {
             geometric_mean(mine.filter_map(speed)).map(|mrays| 1e3 / mrays)
         };
         let how = format!(
-            "against one call for each: {} ns a ray more, of which the dynamic dispatch is a part, beside \
-             the choice of lanes, room for what waits, and a ray's walk having no other to hide behind",
+            "compared with one call per ray, which takes {} ns more per ray: dynamic dispatch, the choice of \
+             lanes, room for the traversal stack, and no other ray whose work hides its latency",
             number(ns("ray")? - ns("batch")?)
         );
         Some(Finding::new("One call for all rays", times(1.0 / slower), how))
@@ -230,9 +229,9 @@ impl Study<'_> {
         let itself = traced(self.view, Contest::Methods).filter(|t| t.method == BASELINE);
         let off = itself.filter_map(|t| faster(&t.samples_ns, &t.baseline_ns));
         let worst = off.map(|ratio| (ratio - 1.0).abs()).max_by(f64::total_cmp)?;
-        let how = "the most by which a ratio of Möller–Trumbore to itself, in turn with it as every method \
-                   was, is off 1";
-        Some(Finding::new("What is chance", format!("{} %", number(worst * 100.0)), how))
+        let how = "the largest deviation from 1 when Möller–Trumbore is timed against itself, as every method \
+                   was against it";
+        Some(Finding::new("Measurement noise", format!("{} %", number(worst * 100.0)), how))
     }
 
     fn rounding(&self) -> Option<Finding> {
@@ -241,7 +240,7 @@ impl Study<'_> {
         let (rays, differ) = traced(self.view, Contest::Methods)
             .fold((0, 0), |sum, t| (sum.0 + t.rays, sum.1 + t.differ));
         let how = format!(
-            "decided otherwise than by the same method in plain arithmetic, over methods; most by {}, {} per \
+            "decided differently than by the same method in plain arithmetic, over methods; most by {}, {} per \
              million",
             self.view.title(&worst.method),
             number(worst.differ_per_million)

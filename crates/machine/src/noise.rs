@@ -72,7 +72,7 @@ impl Noise {
 
 /// Time that a piece of work took.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Spent {
+pub struct Spent {
     /// By the clock.
     pub wall: Duration,
     /// Of the thread's processor time, where the system counts it.
@@ -96,7 +96,7 @@ impl Sum for Spent {
 }
 
 /// Does a piece of work on the calling thread, and says how long that took.
-pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, Spent) {
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Spent) {
     let processor = processor_time();
     let start = Instant::now();
     let done = work();
@@ -118,7 +118,7 @@ fn processor_time() -> Option<Duration> {
 
 /// Gathers what a run measures of its own machine.
 #[derive(Debug, Default)]
-pub(crate) struct Meter {
+pub struct Meter {
     spent: Spent,
     drifts: Vec<f64>,
     spreads: Vec<f64>,
@@ -127,7 +127,7 @@ pub(crate) struct Meter {
 impl Meter {
     /// Takes in contenders that were timed in turn, by their samples of each round, and the time that all
     /// samples took. One sample or two say nothing of a machine.
-    pub(crate) fn take<'a>(&mut self, samples: impl IntoIterator<Item = &'a [u64]>, spent: Spent) {
+    pub fn take<'a>(&mut self, samples: impl IntoIterator<Item = &'a [u64]>, spent: Spent) {
         let mut by_round: Vec<Vec<f64>> = Vec::new();
         for samples in samples {
             let samples: Vec<f64> = samples.iter().map(|&ns| ns as f64).collect();
@@ -145,7 +145,7 @@ impl Meter {
     }
 
     /// What was measured; nothing where nothing was timed.
-    pub(crate) fn noise(&self) -> Option<Noise> {
+    pub fn noise(&self) -> Option<Noise> {
         let share = |processor: Duration| {
             (1.0 - processor.as_secs_f64() / self.spent.wall.as_secs_f64().max(1e-9)).max(0.0)
         };

@@ -1,4 +1,4 @@
-//! Writes how the kernels are compiled, for the records of what they are measured to do.
+//! How a program is compiled, for the records of what it measures.
 
 use std::env;
 use std::process::Command;

@@ -6,7 +6,7 @@ use std::time::Instant;
 use sysinfo::{CpuRefreshKind, RefreshKind, System};
 use trisect_core::InstructionSet;
 
-use crate::record::Machine;
+use crate::Machine;
 
 /// Operations in the chain that the frequency is measured by.
 const LINKS: u32 = 100_000;
@@ -29,8 +29,8 @@ pub fn facts() -> Machine {
         logical_cpus: std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
         instruction_sets: instruction_sets().collect(),
         platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
-        compiler: trisect_catalog::COMPILER.to_owned(),
-        build: trisect_catalog::BUILD.to_owned(),
+        compiler: env!("TRISECT_COMPILER").to_owned(),
+        build: env!("TRISECT_BUILD").to_owned(),
         core_ghz: 0.0,
     }
 }
