@@ -5,6 +5,7 @@ mod arguments;
 mod explain;
 mod list;
 mod output;
+mod paint;
 mod progress;
 mod publish;
 mod query;

@@ -182,7 +182,7 @@ pub(crate) fn spans<L: Lanes<Elem = f32>>(
         at += L::N;
     }
     if !view.is_invertible {
-        (behind, known) = (if cull == CullBy::Nothing { 0 } else { behind }, 0);
+        known = 0;
     }
     if !view.is_bounded {
         (behind, known) = (0, 0);

@@ -104,6 +104,8 @@ impl View {
         if is_parallel {
             depth = DVec3::ZERO;
         }
+        let is_invertible =
+            rows.is_finite() && condition <= MOST && sum(depth) * error <= 1.0 / 128.0;
         let [x, y] = half;
         let per_length = (sum(to_x) + x * sum(depth)).max(sum(to_y) + y * sum(depth));
         let (origin, reach) = if is_parallel {
@@ -134,12 +136,11 @@ impl View {
                 narrow(1.02 * per_length * error + 12.1 * U * (x.max(y) + 1.0)),
                 narrow(5.05 * U * per_length * (1.0 + 0.5 / x.min(y))),
             ],
-            depth_error: narrow(5.05 * U * sum(depth)),
+            // Nothing is behind the eye for certain where depths are not known.
+            depth_error: if is_invertible { narrow(5.05 * U * sum(depth)) } else { f32::INFINITY },
             half: half.map(narrow),
             is_bounded: is_in_range(size) && reach <= MOST && error <= 1.0,
-            is_invertible: rows.is_finite()
-                && condition <= MOST
-                && sum(depth) * error <= 1.0 / 128.0,
+            is_invertible,
         })
     }
 }
