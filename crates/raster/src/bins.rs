@@ -5,7 +5,7 @@ use trisect_tracer::Job;
 
 use crate::blocks::{BLOCK, Object};
 use crate::options::CullBy;
-use crate::setup::{Eye, Span, spans};
+use crate::setup::{Eye, Spans, spans};
 use crate::tile::TILE;
 use crate::view::View;
 
@@ -25,7 +25,7 @@ pub(crate) struct Entry {
 pub(crate) struct Share {
     /// The first block, of all objects, and the one after the last.
     pub(crate) blocks: [usize; 2],
-    pub(crate) spans: Vec<[Span; BLOCK]>,
+    pub(crate) spans: Vec<Spans>,
     pub(crate) bins: Vec<Vec<Entry>>,
 }
 
@@ -56,8 +56,8 @@ impl Job for Fill<'_> {
 fn fill<L: Lanes<Elem = f32>>(token: L::Token, job: Fill<'_>) {
     let Fill { share, objects, views, cull, tiles } = job;
     let [mut start, end] = share.blocks;
-    share.spans.clear();
-    share.spans.resize(end - start, [[0; 4]; BLOCK]);
+    // Each is written over.
+    share.spans.resize(end - start, [[0; BLOCK]; 4]);
     share.bins.resize_with(tiles[0] * tiles[1], Vec::new);
     for bin in &mut share.bins {
         bin.clear();
@@ -82,11 +82,11 @@ fn fill<L: Lanes<Elem = f32>>(token: L::Token, job: Fill<'_>) {
 
 /// Puts the triangles of a block that are seen into the bins of all tiles that they may be in.
 #[inline(always)]
-fn put(bins: &mut [Vec<Entry>], across: usize, entry: Entry, mut seen: u32, spans: &[Span; BLOCK]) {
+fn put(bins: &mut [Vec<Entry>], across: usize, entry: Entry, mut seen: u32, spans: &Spans) {
     while seen != 0 {
         let lane = seen.trailing_zeros() as usize % BLOCK;
         seen &= seen - 1;
-        let [x0, y0, x1, y1] = spans[lane].map(usize::from);
+        let [x0, y0, x1, y1] = [0, 1, 2, 3].map(|row| usize::from(spans[row][lane]));
         for y in y0 / TILE[1]..=y1 / TILE[1] {
             for x in x0 / TILE[0]..=x1 / TILE[0] {
                 let bin = &mut bins[y * across + x];

@@ -248,7 +248,7 @@ fn scan<L: Lanes<Elem = f32>, const FILTERED: bool>(token: L::Token, job: ScanTi
                     view.half,
                     &affines,
                     lane,
-                    spans[lane],
+                    spans,
                     drawn,
                     judge,
                 );

@@ -127,21 +127,41 @@ fn edges<L: Lanes<Elem = f32>>([a, b, c]: [Vec3<L>; 3]) -> [Vec3<L>; 3] {
     [c - b, a - c, b - a]
 }
 
-/// Where a triangle may be: the first and last pixels across and down. Nowhere where the last is before the
-/// first.
-pub(crate) type Span = [u16; 4];
+/// Where the triangles of a block may be: of each the first pixel across, and down, and the last ones.
+pub(crate) type Spans = [[u16; BLOCK]; 4];
 
-/// The pixels where the triangles of a block may be seen, those that are wanted; the others get nothing.
+/// Added to a number of less than 2²² and taken away again, it leaves a whole number.
+const WHOLE: f32 = 1.5 * power_of_two(23);
+
+/// The first whole number from here.
+#[inline(always)]
+fn up<L: Lanes<Elem = f32>>(x: L) -> L {
+    let whole = (x + x.constant(WHOLE)) - x.constant(WHOLE);
+    L::select(whole.lt(x), whole + x.constant(1.0), whole)
+}
+
+/// The last whole number up to here.
+#[inline(always)]
+fn down<L: Lanes<Elem = f32>>(x: L) -> L {
+    let whole = (x + x.constant(WHOLE)) - x.constant(WHOLE);
+    L::select(whole.gt(x), whole - x.constant(1.0), whole)
+}
+
+/// The pixels where the triangles of a block may be seen, and which may be seen at all, in bits.
 #[inline(always)]
 pub(crate) fn spans<L: Lanes<Elem = f32>>(
     token: L::Token,
     (view, eye): (&View, &Eye<L>),
     cull: CullBy,
     block: &Block,
-    spans: &mut [Span; BLOCK],
+    spans: &mut Spans,
 ) -> u32 {
     let mut rows = [[0.0_f32; BLOCK]; 4];
-    let (mut behind, mut known) = (0_u64, 0_u64);
+    let mut seen = 0_u64;
+    let (zero, one) = (L::splat(token, 0.0), L::splat(token, 1.0));
+    let last_right = L::splat(token, view.half[0] * 2.0 - 1.0);
+    let last_down = L::splat(token, view.half[1] * 2.0 - 1.0);
+    let is_known_at_all = L::splat(token, if view.is_invertible { 0.25 } else { f32::NAN });
     let mut at = 0;
     while at < BLOCK {
         let s = eye.ways(token, block, at);
@@ -151,79 +171,63 @@ pub(crate) fn spans<L: Lanes<Elem = f32>>(
         let (x2, y2, z2) = eye.project(s[2]);
         let (nearest, farthest) = (z0.min(z1).min(z2), z0.max(z1).max(z2));
         let off = eye.margin[1] * distance;
-        let is_known = off.le(nearest * L::splat(token, 0.25))
-            & distance.le(L::splat(token, FARTHEST))
-            & nearest.gt(L::splat(token, 0.0));
-        known |= L::bits(is_known) << at;
-        let mut hidden =
-            farthest.lt(-(eye.depth_error * distance)) & distance.le(L::splat(token, FARTHEST));
+        let is_bounded = distance.le(L::splat(token, FARTHEST));
+        let is_known = off.le(nearest * is_known_at_all) & is_bounded & nearest.gt(zero);
+        let mut hidden = farthest.lt(-(eye.depth_error * distance)) & is_bounded;
         if cull != CullBy::Nothing {
-            let e = [s[1] - s[0], s[2] - s[0]];
-            let n = e[0].cross(e[1]);
-            let h = largest([e[0], e[1], s[2] - s[1]], SHORTEST);
+            let e = [s[1] - s[0], s[2] - s[0], s[2] - s[1]];
+            let (n, h) = (e[0].cross(e[1]), largest(e, SHORTEST));
             let (facing, bound) = if cull == CullBy::Eye {
                 (eye.facing(s[0], n).0, eye.facing_bound(distance, h))
             } else {
-                (eye.g[0].dot(n), L::splat(token, 0.0))
+                (eye.g[0].dot(n), zero)
             };
-            hidden = hidden
-                | facing.ge(bound)
-                    & distance.le(L::splat(token, FARTHEST))
-                    & h.le(L::splat(token, FARTHEST));
+            hidden = hidden | facing.ge(bound) & is_bounded & h.le(L::splat(token, FARTHEST));
         }
-        behind |= L::bits(hidden) << at;
-        let margin = off.mul_add(L::splat(token, 1.0) / nearest, eye.margin[0]);
+        let margin = off.mul_add(one / nearest, eye.margin[0]);
         let half = L::splat(token, 0.5);
-        let (left, up) = (eye.half[0] - half, eye.half[1] - half);
-        ((x0.min(x1).min(x2) - margin) + left).store(&mut rows[0][at..]);
-        ((y0.min(y1).min(y2) - margin) + up).store(&mut rows[1][at..]);
-        ((x0.max(x1).max(x2) + margin) + left).store(&mut rows[2][at..]);
-        ((y0.max(y1).max(y2) + margin) + up).store(&mut rows[3][at..]);
+        let (left, top) = (eye.half[0] - half, eye.half[1] - half);
+        // The second operand is what is left of a NaN.
+        let first_right = up(((x0.min(x1).min(x2) - margin) + left).max(zero));
+        let first_down = up(((y0.min(y1).min(y2) - margin) + top).max(zero));
+        let to_right = ((x0.max(x1).max(x2) + margin) + left).min(last_right);
+        let to_down = ((y0.max(y1).max(y2) + margin) + top).min(last_down);
+        let (to_right, to_down) = (down(to_right.max(-one)), down(to_down.max(-one)));
+        let first_right = L::select(is_known, first_right, zero);
+        let first_down = L::select(is_known, first_down, zero);
+        let to_right = L::select(is_known, to_right, last_right);
+        let to_down = L::select(is_known, to_down, last_down);
+        first_right.store(&mut rows[0][at..]);
+        first_down.store(&mut rows[1][at..]);
+        to_right.store(&mut rows[2][at..]);
+        to_down.store(&mut rows[3][at..]);
+        let is_somewhere = first_right.le(to_right) & first_down.le(to_down);
+        seen |= (L::bits(is_somewhere) & !L::bits(hidden)) << at;
         at += L::N;
     }
-    if !view.is_invertible {
-        known = 0;
-    }
     if !view.is_bounded {
-        (behind, known) = (0, 0);
+        seen = u64::MAX;
+        for (row, last) in rows.iter_mut().zip([0.0, 0.0, view.half[0], view.half[1]]) {
+            *row = [(last * 2.0 - 1.0_f32).max(0.0); BLOCK];
+        }
     }
-    let last = [view.half[0] * 2.0 - 1.0, view.half[1] * 2.0 - 1.0];
-    let mut seen = 0;
-    for lane in 0..BLOCK {
-        let bit = 1_u64 << lane;
-        let is_live = block.live >> lane & 1 != 0 && behind & bit == 0;
-        let span = if known & bit != 0 {
-            [
-                first(rows[0][lane]),
-                first(rows[1][lane]),
-                end(rows[2][lane], last[0]),
-                end(rows[3][lane], last[1]),
-            ]
-        } else {
-            [0, 0, last[0] as u16, last[1] as u16]
-        };
-        let is_empty = known & bit != 0
-            && (rows[2][lane] < 0.0
-                || rows[3][lane] < 0.0
-                || span[0] > span[2]
-                || span[1] > span[3]);
-        spans[lane] = span;
-        seen |= u32::from(is_live && !is_empty) << lane;
+    for (to, row) in spans.iter_mut().zip(&rows) {
+        let mut lane = 0;
+        while lane < BLOCK {
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "of what is seen it is a pixel"
+            )]
+            {
+                to[lane] = row[lane] as i32 as u16;
+            }
+            lane += 1;
+        }
     }
-    seen
-}
-
-/// The first whole number from here, at least 0.
-#[inline(always)]
-fn first(x: f32) -> u16 {
-    let whole = x as u16;
-    whole.saturating_add(u16::from(f32::from(whole) < x))
-}
-
-/// The last whole number up to here, and up to an end.
-#[inline(always)]
-fn end(x: f32, last: f32) -> u16 {
-    x.min(last) as u16
+    #[allow(clippy::cast_possible_truncation, reason = "there are eight")]
+    let seen = seen as u32;
+    seen & block.live
 }
 
 /// What eight triangles are as affine functions of the pixel.

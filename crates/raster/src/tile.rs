@@ -4,7 +4,7 @@ use trisect_core::Lanes;
 
 use crate::blocks::BLOCK;
 use crate::judge::Judge;
-use crate::setup::{Affines, Span};
+use crate::setup::{Affines, Spans};
 
 /// Pixels across and down of a tile: what is kept of them fits into the first cache.
 pub(crate) const TILE: [usize; 2] = [64, 32];
@@ -74,8 +74,10 @@ impl Tile {
 
     /// The part of a span in the tile: first and last pixel across and down, from the tile's corner.
     #[inline(always)]
-    fn part(&self, span: Span) -> Option<[usize; 4]> {
-        let [x0, y0, x1, y1] = span.map(usize::from);
+    fn part(&self, spans: &Spans, lane: usize) -> Option<[usize; 4]> {
+        let [right, down, last_right, last_down] = spans;
+        let (x0, y0) = (usize::from(right[lane]), usize::from(down[lane]));
+        let (x1, y1) = (usize::from(last_right[lane]), usize::from(last_down[lane]));
         let ([x, y], [width, height]) = (self.corner, self.size);
         if x1 < x || y1 < y || x0 >= x + width || y0 >= y + height {
             return None;
@@ -92,11 +94,11 @@ impl Tile {
         half: [f32; 2],
         affines: &Affines,
         lane: usize,
-        span: Span,
+        spans: &Spans,
         drawn: Drawn,
         judge: &Judge<'_>,
     ) {
-        let Some(part) = self.part(span) else { return };
+        let Some(part) = self.part(spans, lane) else { return };
         if FILTERED && affines.sided >> lane & 1 == 0 {
             self.is_clear = false;
             let edges = (affines.bounded >> lane & 1 != 0).then_some(affines);

@@ -126,6 +126,25 @@ fn instances_are_seen_as_rays_are_carried_to_them() {
 }
 
 #[test]
+fn corners_in_the_world_are_computed_when_an_object_moves() {
+    let (bunny, ..) = bunny();
+    let place = |x: f32| Affine3A::from_translation(Vec3::new(x, 0.0, 0.0));
+    let mut object = Object::placed(Arc::new(Blocks::new(&bunny)), place(1.0));
+    let at = |object: &Object| Vec3::from(object.triangles().triangle(12).a);
+    let own = Vec3::from(bunny[12].a);
+    assert_eq!(at(&object), own + Vec3::X);
+    assert!(!object.move_to(place(1.0)));
+    assert!(object.move_to(place(2.0)));
+    assert_eq!(at(&object), own + Vec3::X * 2.0);
+    assert_eq!(object.triangles().len(), bunny.len());
+    // What rays are carried to stays.
+    let transform = Transform::new(place(1.0)).expect("it has an inverse");
+    let mut carried = Object::carried(Arc::new(Blocks::new(&bunny)), transform);
+    assert!(!carried.move_to(place(2.0)));
+    assert_eq!(at(&carried), own);
+}
+
+#[test]
 fn what_is_seen_does_not_depend_on_threads() {
     let (bunny, middle, size) = bunny();
     let objects = object(&bunny);
