@@ -13,7 +13,7 @@ use trisect_render::Sampling;
 use trisect_studies::input::{Reading, Subjects};
 use trisect_studies::{Choice, Shard, comparison};
 
-pub(crate) use values::{Cull, Light, Width};
+pub(crate) use values::{Cull, Light, Primary, Shade, Textures, Width};
 use values::{builders, named, positive};
 
 use crate::studies::Published;
@@ -376,6 +376,18 @@ pub(crate) struct Render {
     /// How light is followed
     #[arg(long, default_value = "whitted")]
     pub mode: Light,
+    /// How it is found what the camera sees
+    #[arg(long, value_name = "WAY", default_value = "cast")]
+    pub primary: Primary,
+    /// Paint triangle by triangle, without trees: lights without shadows, no mirrors and no glass
+    #[arg(long, conflicts_with_all = ["primary", "mode", "sampling", "occlusion", "method", "builder"])]
+    pub raster: bool,
+    /// How surfaces are lit, with --raster
+    #[arg(long, value_name = "WAY", default_value = "phong", requires = "raster")]
+    pub shade: Shade,
+    /// How textures lie on triangles, with --raster
+    #[arg(long, value_name = "WAY", default_value = "perspective", requires = "raster")]
+    pub textures: Textures,
     /// Samples of a pixel: grid:N, jittered:N and adaptive:N for N by N, circle:N for N
     /// [default: adaptive:4; of paths jittered:8]
     #[arg(long, value_name = "KIND:N")]

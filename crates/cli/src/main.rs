@@ -6,6 +6,7 @@ mod emit;
 mod explain;
 mod list;
 mod output;
+mod paint;
 mod progress;
 mod publish;
 mod query;

@@ -2,19 +2,25 @@
 
 use std::io::{Cursor, Write};
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use anyhow::{Context as _, Result, anyhow, bail};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
-use trisect_catalog::Tracing;
-use trisect_render::{ImageFormat, Mode, Occlusion, Renderer, Sampling, Settings, Stage, Watch};
+use trisect_catalog::{Tracing, TriangleHit};
+use trisect_raster::{Blocks, NoCulling, Rasteriser};
+use trisect_render::{
+    Image, ImageFormat, Mode, Occlusion, Renderer, Sampling, Settings, Stage, Watch,
+};
 use trisect_scene::Scene;
+use trisect_studies::raster::{objects, staged};
 use trisect_studies::{Progress as _, file, input, nanoseconds};
 
-use crate::arguments::{Light, Render};
+use crate::arguments::{Light, Primary, Render};
 use crate::progress::Bar;
-use crate::{output, reading};
+use crate::{output, paint, reading};
 
 /// Pixels of the largest picture: it takes 32 bytes a pixel while it is made.
 const LARGEST: u64 = 1 << 26;
@@ -54,15 +60,15 @@ pub(crate) fn run(arguments: &Render) -> Result<()> {
     let scene = reading::load_scene(&arguments.scene, &arguments.reading)?;
     let load = start.elapsed();
     let settings = settings(arguments, &scene)?;
+    if arguments.raster {
+        return paint::run(arguments, &scene, &settings, format);
+    }
     let (lights, instances) = (scene.lights.len().min(settings.lights), scene.instances.len());
 
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.map_or(0, usize::from))
-        .build()
-        .context("the system gives no threads; ask for fewer with --threads")?;
+    let pool = pool(arguments)?;
     let start = Instant::now();
-    let stage = pool
-        .install(|| Stage::new(scene, |triangles| entry.tree(triangles, arguments.builder)))
+    let (stage, blocks) = pool
+        .install(|| staged(scene, entry, arguments.builder))
         .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.scene.display()))?;
     let build = start.elapsed();
 
@@ -71,17 +77,20 @@ pub(crate) fn run(arguments: &Render) -> Result<()> {
     let mut bar = Bar::new();
     bar.phase("render", Renderer::tiles(&settings));
     let watch = Watch { stop: &AtomicBool::new(false), tile: &|| bar.advance() };
-    let mut renderer = Renderer::new(&stage);
     let start = Instant::now();
+    let hits = match arguments.primary {
+        Primary::Cast => None,
+        Primary::Raster => Some(pool.install(|| seen(&stage, &blocks, &settings))?),
+    };
+    let mut renderer = Renderer::new(&stage);
+    if let Some(hits) = &hits {
+        renderer = renderer.seeing(hits);
+    }
     let image = pool.install(|| renderer.render(&settings, &watch))?;
     let render = start.elapsed();
     drop(bar);
 
-    let mut encoded = Cursor::new(Vec::new());
-    image
-        .write(format, &mut encoded)
-        .with_context(|| format!("{}: cannot write", out.display()))?;
-    file::replace(out, |file| file.write_all(encoded.get_ref()))?;
+    write(&image, format, out)?;
 
     let counts = renderer.counts();
     let report = Report {
@@ -111,7 +120,42 @@ pub(crate) fn run(arguments: &Render) -> Result<()> {
     output::print_as(arguments.json, &report, |out| report.print(out))
 }
 
-fn shown(path: &Path) -> String {
+/// The threads that were asked for.
+pub(crate) fn pool(arguments: &Render) -> Result<ThreadPool> {
+    ThreadPoolBuilder::new()
+        .num_threads(arguments.threads.map_or(0, usize::from))
+        .build()
+        .context("the system gives no threads; ask for fewer with --threads")
+}
+
+/// Writes a picture, all of it or nothing.
+pub(crate) fn write(image: &Image, format: ImageFormat, out: &Path) -> Result<()> {
+    let mut encoded = Cursor::new(Vec::new());
+    image
+        .write(format, &mut encoded)
+        .with_context(|| format!("{}: cannot write", out.display()))?;
+    Ok(file::replace(out, |file| file.write_all(encoded.get_ref()))?)
+}
+
+/// What the rasteriser sees.
+fn seen(
+    stage: &Stage,
+    blocks: &[Arc<Blocks>],
+    settings: &Settings,
+) -> Result<Vec<Option<TriangleHit>>> {
+    let (objects, rays) = (objects(stage, blocks), stage.pixel_rays(settings));
+    let mut raster = Rasteriser::<NoCulling>::new();
+    if !raster.draw(&objects, &rays) {
+        bail!(LENS);
+    }
+    Ok(raster.hits(&objects, &rays))
+}
+
+/// Why a picture is not rasterised.
+pub(crate) const LENS: &str = "through a lens rays go from everywhere; leave out --raster and --primary raster, or choose a camera \
+     without a lens with --camera";
+
+pub(crate) fn shown(path: &Path) -> String {
     path.display().to_string()
 }
 
@@ -139,7 +183,15 @@ fn settings(arguments: &Render, scene: &Scene) -> Result<Settings> {
         }
         Light::Paths => (Mode::Paths, Sampling::Jittered(8)),
     };
+    let is_cast = arguments.primary == Primary::Cast && !arguments.raster;
+    let usual = if is_cast { usual } else { Sampling::ONE };
     let sampling = arguments.sampling.unwrap_or(usual);
+    if arguments.primary == Primary::Raster && (mode == Mode::Paths || sampling != Sampling::ONE) {
+        bail!(
+            "the rasteriser sees the middle of each pixel; leave out --primary raster, or --sampling and \
+             --mode paths"
+        );
+    }
     if mode == Mode::Paths && matches!(sampling, Sampling::Adaptive(_)) {
         bail!("paths are not sampled adaptively; give grid, jittered or circle with --sampling");
     }

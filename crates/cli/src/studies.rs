@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 use clap::Args;
 use trisect_studies::comparison::Comparison;
+use trisect_studies::raster;
 use trisect_studies::record::Records;
 use trisect_studies::stress::{self, Stability, exactness_summary};
 use trisect_studies::{Chapter, Choice, Shard, Study, StudyError, StudyVisitor, file};
@@ -34,6 +35,9 @@ pub(crate) fn run(choice: &Choice<Published>) -> Result<()> {
         }
         Choice::Stress(asked) if asked.settings.exact.is_some() => {
             hold_to_exactness(&asked.settings, asked.more.json)
+        }
+        Choice::Raster(asked) if asked.settings.check => {
+            compare_pixels(&asked.settings, asked.more.json)
         }
         _ => choice.visit(Publish),
     }
@@ -100,6 +104,17 @@ fn hold_to_exactness(settings: &stress::Settings, json: bool) -> Result<()> {
     output::show(&summary, &summary.to_text(output::COLUMNS), json)?;
     if summary.total().all_wrong() > 0 {
         return Err(StudyError::NotExact(summary.first_wrong.unwrap_or_default()).into());
+    }
+    Ok(())
+}
+
+/// Counts pixels at which the rasteriser and the exact caster differ.
+fn compare_pixels(settings: &raster::Settings, json: bool) -> Result<()> {
+    let summary = raster::check(settings, &mut Bar::new())?;
+    output::show(&summary, &summary.to_text(output::COLUMNS), json)?;
+    if summary.different > 0 {
+        let what = format!("the rasteriser differs from it at {} pixels", summary.different);
+        return Err(StudyError::NotExact(what).into());
     }
     Ok(())
 }

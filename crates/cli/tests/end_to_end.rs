@@ -453,6 +453,24 @@ fn a_study_of_omissions_adds_its_page_and_its_record_to_a_report() {
 }
 
 #[test]
+fn a_study_of_the_rasteriser_adds_its_page_and_its_record_to_a_report() {
+    let folder = Folder::new();
+    let run = folder.trisect("raster --shrink 24 --threads 1 --output here", b"");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let written = ["page    here/raster.html", "record  here/raster.jsonl"];
+    assert_eq!(run.stderr.trim().lines().collect::<Vec<_>>(), written);
+    for told in ["Where casting becomes quicker", "The frame of 2012", "built for 10 pictures"] {
+        assert!(run.stdout.contains(told), "{told}: {}", run.stdout);
+    }
+    let again = folder.trisect("report here/raster.jsonl --json --output here", b"");
+    let summary: serde_json::Value = serde_json::from_str(&again.stdout).expect("JSON");
+    let ways = summary["ways"].as_array().expect("a list");
+    let filtered = |way: &&serde_json::Value| way["way"] == "rasterised, filtered";
+    assert!(ways.iter().filter(filtered).count() >= 12);
+    assert!(ways.iter().filter(filtered).all(|way| way["different"] == 0), "{ways:?}");
+}
+
+#[test]
 fn without_a_verb_everything_is_written_where_it_is_asked_for() {
     let folder = Folder::new();
     let what = "--methods moller-trumbore --rounds 1 --mesh mesh.obj --output here";

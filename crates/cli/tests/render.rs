@@ -45,6 +45,44 @@ fn a_scene_becomes_a_png_and_an_exr() {
 }
 
 #[test]
+fn what_the_camera_sees_may_be_rasterised() {
+    let folder = folder();
+    folder.write("mesh.obj", b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n");
+    let render = |options: &str| {
+        let run = folder.trisect(&format!("render {options} --method exact --width 64"), b"");
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""), "{options}");
+    };
+    for (scene, name) in [("scene.toml", "scene"), ("mesh.obj", "mesh")] {
+        render(&format!("{scene} -o {name}-a.exr --primary raster"));
+        render(&format!("{scene} -o {name}-b.exr --sampling grid:1"));
+        let [a, b] = ["a", "b"].map(|which| read(&folder, &format!("{name}-{which}.exr")));
+        assert_eq!(a, b, "{name}");
+    }
+    for (name, options) in [("a", ""), ("b", "--shade id --textures none"), ("c", "--threads 2")] {
+        let command = format!("render mesh.obj -o {name}.png --raster {options}");
+        let run = folder.trisect(&command, b"");
+        assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
+        assert!(run.stdout.contains("2 triangles"), "{}", run.stdout);
+    }
+    assert!(read(&folder, "a.png") != read(&folder, "b.png"));
+    assert_eq!(read(&folder, "a.png"), read(&folder, "c.png"));
+    let run = folder.trisect("render mesh.obj -o d.png --primary raster --sampling grid:2", b"");
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("leave out --primary raster"), "{}", run.stderr);
+}
+
+#[test]
+fn no_pixel_differs_between_the_rasteriser_and_the_exact_caster() {
+    let folder = Folder::new();
+    let run = folder.trisect("raster --check --shrink 12 --json", b"");
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let found: serde_json::Value = serde_json::from_str(&run.stdout).expect("it is JSON");
+    assert_eq!(found["different"], 0);
+    let scenes = found["scenes"].as_array().expect("a list");
+    assert!(scenes.len() > 15 && scenes.iter().all(|scene| scene["pictures"].as_u64() >= Some(5)));
+}
+
+#[test]
 fn a_picture_is_the_same_for_any_threads_and_tiles() {
     let folder = folder();
     for (name, options) in [("a.png", "--threads 1"), ("b.png", "--threads 3 --tile 5")] {

@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
-use trisect_scene::{Camera, Color, Lens};
+use trisect_scene::{Color, Lens, PixelRays};
+use trisect_tracer::TriangleHit;
 
 use crate::image::Image;
 use crate::needs::{self, Facts, Job, Needs, Part, Parts, Paths};
@@ -53,6 +54,8 @@ pub struct Renderer<'s> {
     counts: Mutex<Counts>,
     /// What the last paths brought.
     brought: Image,
+    /// What the rays of the camera hit, where that is known.
+    primary: Option<&'s [Option<TriangleHit>]>,
 }
 
 impl<'s> Renderer<'s> {
@@ -65,7 +68,16 @@ impl<'s> Renderer<'s> {
             rooms: Mutex::default(),
             counts: Mutex::default(),
             brought: Image::black([0, 0]),
+            primary: None,
         }
+    }
+
+    /// Takes what the camera's ray through the middle of each pixel hits among the triangles, row by row, from
+    /// elsewhere: pictures after Whitted of one sample a pixel trace no such rays. Triangles are numbered as
+    /// [`Stage::placed`] has them, and values are in the stage's units.
+    pub fn seeing(mut self, hits: &'s [Option<TriangleHit>]) -> Self {
+        self.primary = Some(hits);
+        self
     }
 
     /// Keeps parts that a picture can do without, to see what they cost; it is the same to the bit.
@@ -225,7 +237,7 @@ impl Job for Drawing<'_, '_> {
     fn run<N: Needs>(self) -> Self::Output {
         let Self { renderer, stage, settings, parts, watch, image } = self;
         renderer.pass(settings, watch, image, |wave, tile, out| {
-            stage.draw::<N>((settings, parts), wave, tile, out, watch);
+            stage.draw::<N>((settings, parts), renderer.primary, wave, tile, out, watch);
         })
     }
 }
@@ -236,6 +248,7 @@ impl Stage {
     fn draw<N: Needs>(
         &self,
         (settings, parts): (&Settings, Parts),
+        primary: Option<&[Option<TriangleHit>]>,
         wave: &mut Wave,
         tile: Tile,
         out: &mut [Color],
@@ -251,6 +264,12 @@ impl Stage {
         for start in (0..pixels).step_by(batch as usize) {
             let end = pixels.min(start + batch);
             eye.look_at::<N>(parts, wave, tile, start..end);
+            if let Some(hits) = primary.filter(|_| !parts.has(Part::Samples)) {
+                wave.see((start..end).map(|pixel| {
+                    let [x, y] = tile.pixel(pixel);
+                    hits[y as usize * settings.size[0] as usize + x as usize]
+                }));
+            }
             let radiance = wave.follow::<N>(self, settings, parts, watch.stop);
             let out = &mut out[start as usize..end as usize];
             if !parts.has(Part::Samples) {
@@ -329,25 +348,13 @@ fn differ(samples: &[Color]) -> bool {
 /// A camera and where its rays go through.
 pub(crate) struct Eye<'a> {
     /// In the stage's frame.
-    camera: Camera,
+    rays: PixelRays,
     settings: &'a Settings,
-    half_height: f32,
-    /// Half the picture's size in half heights, and half heights a pixel.
-    corner: Vec2,
-    step: f32,
 }
 
 impl<'a> Eye<'a> {
     pub(crate) fn new(stage: &Stage, settings: &'a Settings) -> Self {
-        let camera = stage.frame.camera(&stage.scene.cameras[settings.camera]);
-        let [width, height] = settings.size.map(|x| x as f32);
-        Self {
-            settings,
-            half_height: camera.lens.half_height(),
-            camera,
-            corner: Vec2::new(-width / height, 1.0),
-            step: 2.0 / height,
-        }
+        Self { rays: stage.pixel_rays(settings), settings }
     }
 
     /// Sends the rays of the first samples of some pixels of a tile, and no others.
@@ -355,7 +362,7 @@ impl<'a> Eye<'a> {
         let is_straight = !parts.has(Part::Samples);
         // A loop for each lens: the compiler computes several rays at a time, and would compute those of all
         // lenses, of numbers that are not there.
-        match self.camera.lens {
+        match self.rays.camera().lens {
             Lens::Pinhole { field_of_view } if is_straight => {
                 self.look_straight::<N>(wave, tile, pixels, Lens::Pinhole { field_of_view });
             }
@@ -378,8 +385,7 @@ impl<'a> Eye<'a> {
         let middle = Vec2::splat(0.5);
         // On the stack: nothing that is written can change it, so that what is the same for a row is computed
         // once.
-        let camera = Camera { lens, ..self.camera.clone() };
-        let eye = Eye { camera, ..*self };
+        let eye = Eye { rays: self.rays.with_lens(lens), ..*self };
         let mut rays = wave.primary(pixels.len());
         let mut start = pixels.start;
         while !rays.is_empty() {
@@ -434,14 +440,11 @@ impl<'a> Eye<'a> {
     #[inline(always)]
     pub(crate) fn ray(
         &self,
-        [x, y]: [u32; 2],
+        pixel: [u32; 2],
         point: Vec2,
         on_lens: impl FnOnce() -> Vec2,
     ) -> (Vec3, Vec3) {
-        let right_down = Vec2::new(x as f32, y as f32) + point;
-        let at = self.corner + right_down * Vec2::new(self.step, -self.step);
-        let (o, d) = self.camera.ray(at, self.half_height, on_lens);
-        (o, d.normalize())
+        self.rays.ray_at(pixel, point, on_lens)
     }
 }
 

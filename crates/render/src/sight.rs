@@ -2,7 +2,9 @@
 
 use glam::Vec2;
 use trisect_core::Ray;
-use trisect_tracer::Tree;
+use trisect_method::Culling;
+use trisect_scene::PixelRays;
+use trisect_tracer::{Tracing, Transform, Tree, TriangleHit};
 
 use crate::render::Eye;
 use crate::settings::Settings;
@@ -33,6 +35,28 @@ impl Stage {
         let mut ray = ray(o, d, f32::INFINITY);
         nearest_simple(self, &mut ray);
         ray
+    }
+
+    /// The camera's rays through the pixels, in the stage's own units.
+    ///
+    /// # Panics
+    /// When the scene has no such camera.
+    pub fn pixel_rays(&self, settings: &Settings) -> PixelRays {
+        PixelRays::new(self.frame.camera(&self.scene.cameras[settings.camera]), settings.size)
+    }
+
+    /// The tree of each place, by its number in the order in which they were built, and where it is. The triangles
+    /// that hits name are numbered through all places, one after another.
+    pub fn placed(&self) -> impl Iterator<Item = (usize, &Transform)> {
+        self.all.instances().iter().map(|place| (place.of().number, place.transform()))
+    }
+
+    /// What each ray hits first among the triangles, in the stage's own units.
+    ///
+    /// # Panics
+    /// When there are fewer places in `found` than rays.
+    pub fn closest(&self, tracing: Tracing, rays: &[Ray<f32>], found: &mut [Option<TriangleHit>]) {
+        self.all.closest(tracing, Culling::None, rays, found);
     }
 
     /// The trees that a ray may meet, one for each mesh in its place.

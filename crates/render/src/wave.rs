@@ -66,6 +66,8 @@ pub(crate) struct Wave {
     /// What each has met, where there are shapes; elsewhere `found` says it.
     targets: Vec<Target>,
     found: Vec<Option<TriangleHit>>,
+    /// Whether that is known of the rays from the camera.
+    is_seen: bool,
     /// Those that are to go next.
     next_rays: Vec<Ray<f32>>,
     next_carrying: Vec<Carrying>,
@@ -112,6 +114,13 @@ impl Wave {
         self.samples.clear();
         self.rays.resize(count, ray(Vec3::ZERO, Vec3::ZERO, 0.0));
         &mut self.rays
+    }
+
+    /// Takes what the rays at hand hit, one after another, so that they are not traced.
+    pub(crate) fn see(&mut self, hits: impl Iterator<Item = Option<TriangleHit>>) {
+        self.found.clear();
+        self.found.extend(hits);
+        self.is_seen = true;
     }
 
     /// Follows the rays, and those that come of them, to their ends; what each sample receives. Ends early
@@ -213,13 +222,15 @@ impl Wave {
     /// What each ray meets first: where there are shapes a target, at which its interval ends, and else no
     /// more than what is found in the only tree.
     fn find_targets<N: Needs>(&mut self, stage: &Stage, tracing: Tracing) {
-        let Self { rays, targets, found, .. } = self;
+        let Self { rays, targets, found, is_seen, .. } = self;
         if N::SHAPES {
             targets.clear();
             targets.extend(rays.iter_mut().map(|ray| nearest_simple(stage, ray)));
         }
-        found.resize(rays.len(), None);
-        stage.all.closest(tracing, Culling::None, rays, found);
+        if !std::mem::take(is_seen) {
+            found.resize(rays.len(), None);
+            stage.all.closest(tracing, Culling::None, rays, found);
+        }
         if N::SHAPES {
             for ((ray, target), found) in rays.iter_mut().zip(targets).zip(found) {
                 if let Some(found) = found

@@ -106,6 +106,83 @@ impl Camera {
     }
 }
 
+/// The rays of a camera through the pixels of a picture: those that the renderer traces.
+#[derive(Clone, Debug)]
+pub struct PixelRays {
+    camera: Camera,
+    size: [u32; 2],
+    half_height: f32,
+    /// Half the picture's size in half heights, and half heights a pixel.
+    corner: Vec2,
+    step: f32,
+}
+
+impl PixelRays {
+    /// For a picture of so many pixels across and down, at least 1.
+    pub fn new(camera: Camera, size: [u32; 2]) -> Self {
+        let [width, height] = size.map(|x| x as f32);
+        Self {
+            half_height: camera.lens.half_height(),
+            camera,
+            size,
+            corner: Vec2::new(-width / height, 1.0),
+            step: 2.0 / height,
+        }
+    }
+
+    /// The same with a lens of the same kind and angle, which the compiler may know more of.
+    #[inline(always)]
+    #[must_use]
+    pub fn with_lens(&self, lens: Lens) -> Self {
+        Self { camera: Camera { lens, ..self.camera.clone() }, ..*self }
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Pixels across and down.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// [`Lens::half_height`].
+    pub fn half_height(&self) -> f32 {
+        self.half_height
+    }
+
+    /// The upper left corner of the picture, in half heights from its middle.
+    pub fn corner(&self) -> Vec2 {
+        self.corner
+    }
+
+    /// Half heights a pixel.
+    pub fn step(&self) -> f32 {
+        self.step
+    }
+
+    /// The ray through the middle of a pixel and of the lens: its origin, and its direction, of unit length.
+    #[inline(always)]
+    pub fn ray(&self, pixel: [u32; 2]) -> (Vec3, Vec3) {
+        self.ray_at(pixel, Vec2::splat(0.5), || Vec2::ZERO)
+    }
+
+    /// The ray through a point of a pixel, from 0 to 1 across and down; `on_lens` as for [`Camera::ray`].
+    #[inline(always)]
+    pub fn ray_at(
+        &self,
+        [x, y]: [u32; 2],
+        point: Vec2,
+        on_lens: impl FnOnce() -> Vec2,
+    ) -> (Vec3, Vec3) {
+        let right_down = Vec2::new(x as f32, y as f32) + point;
+        let at = self.corner + right_down * Vec2::new(self.step, -self.step);
+        let (o, d) = self.camera.ray(at, self.half_height, on_lens);
+        (o, d.normalize())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

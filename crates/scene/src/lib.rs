@@ -16,7 +16,7 @@ mod scale;
 mod texture;
 mod toml_file;
 
-pub use camera::{Camera, Lens};
+pub use camera::{Camera, Lens, PixelRays};
 pub use error::{SceneError, SceneProblem, UnknownCamera};
 pub use glam::{Affine3A, DVec3, Vec2, Vec3};
 pub use load::SHIPPED;

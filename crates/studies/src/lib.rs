@@ -5,6 +5,7 @@ pub mod comparison;
 pub mod forms;
 pub mod omissions;
 pub mod pictures;
+pub mod raster;
 pub mod recommend;
 pub mod stress;
 pub mod tracer;

@@ -69,6 +69,8 @@ studies! {
     Pictures(crate::pictures::Pictures),
     /// Study what it would take to keep what nobody asks for
     Omissions(crate::omissions::Omissions),
+    /// Study when rasterising beats casting, and count pixels at which they differ
+    Raster(crate::raster::Raster),
 }
 
 /// The study that took a record. One that is older than its header's field has lines of that study alone,

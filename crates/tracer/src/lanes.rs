@@ -3,9 +3,20 @@
 use trisect_core::{InstructionSet, Lanes, Token};
 
 /// Something to do on lanes of choice.
-pub(crate) trait Job {
+pub trait Job {
+    /// What comes of it.
     type Output;
+    /// Does it. What is to be compiled for the instruction set has to be inlined into [`Token::run`].
     fn run<L: Lanes<Elem = f32>>(self, token: L::Token) -> Self::Output;
+}
+
+/// Runs a job on the [fast lanes](fast_lanes) of the processor, or on those that nearly all processors have.
+pub fn on_lanes<J: Job>(job: J) -> J::Output {
+    if has_fast_lanes() {
+        on_fast_lanes(job).expect("the processor has fast lanes")
+    } else {
+        PlainLanes::Vector.run(job)
+    }
 }
 
 /// The lanes that give the same bits on every processor.

@@ -29,7 +29,7 @@ pub use hits::{AllHits, Crossings, NotExact, Verdict};
 pub use instances::{
     BadTransform, Extent, HasTree, Instance, InstanceError, Instances, Transform, Update,
 };
-pub use lanes::fast_lanes;
+pub use lanes::{Job, fast_lanes, on_lanes};
 pub use precision::Precision;
 pub use rays::slabs::meets_box;
 pub use traverse::inspect::Counted;

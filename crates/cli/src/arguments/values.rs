@@ -31,6 +31,36 @@ pub(crate) enum Light {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Primary {
+    /// Rays through trees
+    Cast,
+    /// The rasteriser, which sees what the method `exact` hits; one sample a pixel
+    Raster,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Shade {
+    /// The triangles' numbers as colours
+    Id,
+    Unlit,
+    /// Once for each triangle
+    Flat,
+    /// At the corners
+    Gouraud,
+    /// At each pixel
+    Phong,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Textures {
+    None,
+    /// Evenly over the triangle in the picture
+    Affine,
+    /// Evenly over the triangle itself
+    Perspective,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Cull {
     None,
     Back,
