@@ -17,7 +17,7 @@ fn boxes(stream: &mut Stream, count: usize) -> Vec<Box3> {
     (0..count)
         .map(|_| {
             let low = point(stream, 0.0, 10.0);
-            [low, low + point(stream, 0.0, 0.5)]
+            [low, low + point(stream, 0.0, 2.0)]
         })
         .collect()
 }
