@@ -5,7 +5,6 @@ mod image;
 mod needs;
 mod offset;
 mod paths;
-mod random;
 mod render;
 mod sampling;
 mod settings;
@@ -14,6 +13,8 @@ mod stage;
 mod surface;
 mod wave;
 mod whitted;
+
+use trisect_pipeline::random;
 
 pub use image::{Image, ImageError, ImageFormat};
 pub use needs::{Facts, Part, Parts};

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod box_tree;
 mod bvh;
 mod dispatch;
 mod every;
@@ -19,6 +20,7 @@ mod traverse;
 mod tree;
 mod vectors;
 
+pub use box_tree::BoxTree;
 pub use bvh::builders::settings::{Builder, Leaves, UnknownBuilder};
 pub use bvh::builders::{RefitError, is_worn};
 pub use bvh::wide::Statistics;

@@ -66,6 +66,23 @@ impl Extent {
         Self { triangles: triangles.len(), boxes, per_origin: 0.0, least_direction: 0.0, levels: 0 }
     }
 
+    /// That of several trees in one space, whose triangles are numbered one tree after another.
+    pub fn of_all(trees: impl IntoIterator<Item = Self>) -> Self {
+        trees.into_iter().fold(Self::of(&[]), |mut all, tree| {
+            all.triangles += tree.triangles;
+            all.boxes.extend(tree.boxes);
+            all.per_origin = all.per_origin.max(tree.per_origin);
+            all.least_direction = all.least_direction.max(tree.least_direction);
+            all.levels = all.levels.max(tree.levels);
+            all
+        })
+    }
+
+    /// How many triangles there are, hit or not.
+    pub fn triangles(&self) -> usize {
+        self.triangles
+    }
+
     pub(crate) fn of_tree(tree: &WideTree) -> Self {
         Self {
             triangles: tree.origin.triangles,

@@ -6,10 +6,13 @@ use glam::{Vec2, Vec3};
 
 /// The numbers of one sample of one pixel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Random {
-    pub(crate) seed: u32,
-    pub(crate) pixel: u32,
-    pub(crate) sample: u32,
+pub struct Random {
+    /// Of all choices.
+    pub seed: u32,
+    /// Which pixel, or whatever else a program is run for.
+    pub pixel: u32,
+    /// Which of its samples.
+    pub sample: u32,
 }
 
 impl Random {
@@ -18,7 +21,7 @@ impl Random {
     /// Jarzynski, Olano: Hash Functions for GPU Rendering. Journal of Computer Graphics Techniques 9(3),
     /// 2020: pcg4d.
     #[inline]
-    pub(crate) fn four(self, place: u32) -> [f32; 4] {
+    pub fn four(self, place: u32) -> [f32; 4] {
         let step = |x: u32| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let Self { seed, pixel, sample } = self;
         let [mut x, mut y, mut z, mut w] = [pixel, sample, place, seed].map(step);
@@ -37,7 +40,7 @@ impl Random {
 }
 
 /// A point of the unit disc, evenly spread (Shirley, Chiu 1997).
-pub(crate) fn on_disc(u: f32, v: f32) -> Vec2 {
+pub fn on_disc(u: f32, v: f32) -> Vec2 {
     let (x, y) = (u * 2.0 - 1.0, v * 2.0 - 1.0);
     let (radius, turn) = if x.abs() > y.abs() {
         (x, 0.125 * (y / x))
@@ -51,7 +54,7 @@ pub(crate) fn on_disc(u: f32, v: f32) -> Vec2 {
 }
 
 /// A direction about a normal, as likely as its cosine (Malley's method).
-pub(crate) fn cosine_about(normal: Vec3, u: f32, v: f32) -> Vec3 {
+pub fn cosine_about(normal: Vec3, u: f32, v: f32) -> Vec3 {
     let at = on_disc(u, v);
     let (x, y) = normal.any_orthonormal_pair();
     let up = (1.0 - at.length_squared()).max(0.0).sqrt();
