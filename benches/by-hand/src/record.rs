@@ -70,7 +70,12 @@ impl Record {
     /// Writes it all.
     pub(crate) fn write(mut self, path: &Path) -> Result<()> {
         self.ghz.sort_unstable_by(f64::total_cmp);
-        let given = std::env::args().skip(1).collect::<Vec<_>>().join(" ");
+        // Where the file lies says nothing of it.
+        let named = |given: String| match path.file_name() {
+            Some(name) if Path::new(&given) == path => name.to_string_lossy().into_owned(),
+            _ => given,
+        };
+        let given = std::env::args().skip(1).map(named).collect::<Vec<_>>().join(" ");
         let header = Header {
             kind: "header",
             schema: SCHEMA,

@@ -19,9 +19,13 @@ pub(super) fn document(records: &Records) -> Document {
     let forms = Forms::new(records);
     let statements =
         [first, moved, worst, signs, newton, packets, layout].map(|statement| statement(&forms));
+    let paragraph = |(says, figures): &Statement| {
+        Section::prose(format!("{says} {figures}")).shown(Shown::Terminal)
+    };
+    let mut sections: Vec<Section> = statements.iter().map(paragraph).collect();
     let statements =
         Section::new("havel", "Moving the division", Content::List(statements.to_vec()));
-    let mut sections = vec![statements.part("havel-forms").shown(Shown::Everywhere)];
+    sections.push(statements.part("havel-forms"));
     sections.extend(WORKLOADS.iter().enumerate().map(|(place, (workload, says))| {
         let part = if place == 0 { "havel-forms" } else { "" };
         times(&forms, workload, says).part(part)
@@ -152,8 +156,7 @@ fn packets(forms: &Forms<'_>) -> Statement {
         forms.changed(width, workload, keep, |v| v.early_out = true)
     };
     let each = forms.lanes().into_iter().filter(|(width, _)| *width > 1).map(|(width, set)| {
-        let each =
-            WORKLOADS.map(|(name, says)| format!("{} where {says}", exits(name, width).mean()));
+        let each = WORKLOADS.map(|(name, says)| format!("{} ({says})", exits(name, width).mean()));
         format!("{width} lanes ({set}) {}", each.join(", "))
     });
     said(
@@ -209,7 +212,7 @@ fn times(forms: &Forms<'_>, workload: &'static str, says: &str) -> Section {
         }
     }
     let says = format!(
-        "Nanoseconds per test in f32, one ray at a time, {says}, asked for t with barycentrics, medians over rounds. \
+        "Nanoseconds per test in f32, one ray at a time, on pairs of which {says}, asked for t with barycentrics, medians over rounds. \
          Lanes end in one place, behind all tests, so that t cannot come first. Called directly, not through the catalogue."
     );
     let id = match workload {

@@ -2,7 +2,7 @@
 
 use trisect_machine::forms::{CallTime, Called, LeafTime};
 use trisect_report::document::Section;
-use trisect_report::format::{number, ratio};
+use trisect_report::format::{grouped, number, ratio};
 use trisect_report::stats::ns_per_test;
 use trisect_report::table::Table;
 
@@ -43,9 +43,10 @@ fn leaves(records: &Records) -> Section {
         .done();
     let triangles = all.first().map_or(0, |leaf| leaf.triangles);
     let says = format!(
-        "Camera rays at a chair of {triangles} triangles, in a plain binary tree that is cut at medians, not the tracer's; \
+        "Camera rays at a chair of {} triangles, in a plain binary tree that is cut at medians, not the tracer's; \
          tests of eight lanes in a leaf, in blocks of sixteen, so that leaves of four and eight gain nothing. of the \
-         fastest: speed over that of the fastest row; Morozov: the same of his frames per second at his low level."
+         fastest: speed over that of the fastest row; Morozov: the same of his frames per second at his low level.",
+        grouped(triangles as u64)
     );
     Section::table("leaves", "Leaves of any size", says, table).part("forms-morozov")
 }

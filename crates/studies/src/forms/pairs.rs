@@ -12,11 +12,8 @@ use crate::noise::Verdict;
 use crate::record::{Header, Records};
 
 /// Where most tests hit, where hardly any does, and between.
-pub(super) const WORKLOADS: [(&str, &str); 3] = [
-    ("random", "random pairs, of which one in ten hits"),
-    ("hit-rate/2", "2 % hit"),
-    ("hit-rate/90", "90 % hit"),
-];
+pub(super) const WORKLOADS: [(&str, &str); 3] =
+    [("random", "10 % hit"), ("hit-rate/2", "2 % hit"), ("hit-rate/90", "90 % hit")];
 
 /// The forms of a test in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -151,7 +148,7 @@ impl Pairs {
             _ if !self.is_usable => "Not settled: the machine was not steady.",
             0 => "Not here.",
             all if all == self.of.len() => "Holds here.",
-            _ => "Holds of some methods here.",
+            _ => "Holds for some methods here.",
         }
     }
 
