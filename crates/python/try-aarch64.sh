@@ -22,7 +22,7 @@ if [[ ! -e $place/done ]]; then
     debian=(-o "Dir::State::Lists=$place/lists" -o "Dir::Cache=$place" -o APT::Sandbox::User=root
         -o APT::Architecture=arm64 -o APT::Architectures::=arm64)
     apt-get "${debian[@]}" update >/dev/null 2>&1 || skip "the lists of Debian for arm64 cannot be fetched"
-    version=$(apt-cache "${debian[@]}" show python3-minimal | sed -n 's/^Depends:.*\(python3\.[0-9]*\)-minimal.*/\1/p' | head -1)
+    version=$(apt-cache "${debian[@]}" show python3-minimal | sed -n 's/^Pre-Depends:.*\(python3\.[0-9]*\)-minimal.*/\1/p' | head -1)
     (
         cd "$place/packages"
         apt-get "${debian[@]}" download "$version-minimal" "lib$version-minimal" "lib$version-stdlib" libc6 libgcc-s1 \

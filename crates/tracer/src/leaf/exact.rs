@@ -293,7 +293,10 @@ fn with_values<M: ExactMethod, P: Real>(
 }
 
 /// The values of one hit.
-fn values<M: ExactMethod, P: Real>(ray: &Ray<P>, prepared: &Of<M::Prepared, P>) -> Hit<P> {
+pub(super) fn values<M: ExactMethod, P: Real>(
+    ray: &Ray<P>,
+    prepared: &Of<M::Prepared, P>,
+) -> Hit<P> {
     let rays = ray.map(|&x| [x]);
     let Ray { o, d, tmin, tmax } = &rays;
     let rays = Ray { o: o.each_ref(), d: d.each_ref(), tmin, tmax };

@@ -6,7 +6,7 @@ use std::cmp::Ordering;
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use trisect_core::{Hit, Lanes, Ray, Token as _, Triangle, Vec3};
+use trisect_core::{Hit, Lanes, Ray, Token as _, Vec3};
 use trisect_method::{Culling, ExactMethod, Interval, Method, Of};
 
 use super::blocks::Blocks;
@@ -148,27 +148,10 @@ impl<M: ExactMethod, P: Real> ExactLeaves<P> for Blocks<M, P> {
         exact::is_hit::<M, P>(ray, culling, &prepared) && (!owned || M::owns(ray, &prepared))
     }
 
+    /// One by one: most rays have few, and lanes that are not filled take as long.
     fn values(&self, ray: &Ray<P>, hits: &mut [TriangleHit<P>]) {
-        let rays = ray.map(|&x| [x; WIDTH]);
-        let Ray { o, d, tmin, tmax } = &rays;
-        let rays = Ray { o: o.each_ref(), d: d.each_ref(), tmin, tmax };
-        for hits in hits.chunks_mut(WIDTH) {
-            // The first one fills the rest.
-            let slot = |lane: usize| hits.get(lane).unwrap_or(&hits[0]).triangle;
-            let of_lanes: [Triangle<P>; WIDTH] =
-                std::array::from_fn(|lane| M::corners(&self.prepared(slot(lane))));
-            let row = |corner: usize| {
-                let row = |axis: usize| {
-                    of_lanes.map(|triangle| triangle.corners()[corner].to_array()[axis])
-                };
-                Vec3::new(row(0), row(1), row(2))
-            };
-            let corners = Triangle { a: row(0), b: row(1), c: row(2) };
-            let values = M::values::<P, P, WIDTH>(&rays, &corners, (1 << hits.len()) - 1);
-            for (lane, found) in hits.iter_mut().enumerate() {
-                let (t, beta, gamma) = (values.t[lane], values.beta[lane], values.gamma[lane]);
-                found.hit = Hit { t, beta, gamma };
-            }
+        for found in hits {
+            found.hit = exact::values::<M, P>(ray, &self.prepared(found.triangle));
         }
     }
 
