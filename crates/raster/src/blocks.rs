@@ -123,6 +123,7 @@ impl Object {
     }
 
     /// The triangles that are drawn: in the space that rays are carried to.
+    #[inline]
     pub fn triangles(&self) -> &Blocks {
         self.world.as_ref().map_or(&*self.mesh, |(_, world)| world)
     }

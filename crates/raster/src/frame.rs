@@ -2,17 +2,18 @@
 
 use std::marker::PhantomData;
 
+use prefetch_index::prefetch_index;
 use rayon::prelude::*;
 use trisect_core::{Lanes, Ray, Token as _};
 use trisect_method::Culling;
 use trisect_scene::PixelRays;
 use trisect_tracer::{Job, TriangleHit, on_lanes};
 
-use crate::bins::{Fill, Share};
+use crate::bins::{Entry, Fill, Share};
 use crate::blocks::{BLOCK, Object};
 use crate::judge::{Judge, locate, values};
 use crate::options::{CullBy, Culls, Edges, Filtered, NoCulling};
-use crate::setup::{Affines, Eye};
+use crate::setup::{Affines, Eye, Spans};
 use crate::tile::{Drawn, NOTHING, STRIDE, TILE, Tile};
 use crate::view::View;
 
@@ -191,6 +192,19 @@ impl<C: Culls, E: Edges> Rasteriser<C, E> {
     }
 }
 
+/// Blocks are fetched while so many before them are drawn.
+const AHEAD: usize = 3;
+
+/// Fetches what a block's triangles are drawn from, line by line.
+#[inline(always)]
+fn fetch(objects: &[Object], spans: &[Spans], entry: &Entry) {
+    prefetch_index(spans, entry.spans as usize);
+    let rows = &objects[entry.object as usize].triangles().blocks[entry.block as usize].rows;
+    for row in [0, 2, 4, 6, 8] {
+        prefetch_index(rows, row);
+    }
+}
+
 /// Draws what there is in a tile.
 struct ScanTile<'a> {
     shares: &'a [Share],
@@ -225,7 +239,11 @@ fn scan<L: Lanes<Elem = f32>, const FILTERED: bool>(token: L::Token, job: ScanTi
     let mut last = usize::MAX;
     let mut eye = None;
     for share in shares {
-        for entry in &share.bins[number] {
+        let bin = &share.bins[number];
+        for (at, entry) in bin.iter().enumerate() {
+            if let Some(next) = bin.get(at + AHEAD) {
+                fetch(objects, &share.spans, next);
+            }
             let object = entry.object as usize;
             if object != last {
                 eye = Some(Eye::<L>::new(token, &views[object]));
@@ -243,15 +261,7 @@ fn scan<L: Lanes<Elem = f32>, const FILTERED: bool>(token: L::Token, job: ScanTi
                 let place = block * BLOCK + lane;
                 let number = judge.firsts[object] + place as u32;
                 let drawn = Drawn { object, place, number };
-                tile.draw::<L, FILTERED>(
-                    token,
-                    view.half,
-                    &affines,
-                    lane,
-                    spans,
-                    drawn,
-                    judge,
-                );
+                tile.draw::<L, FILTERED>(token, view.half, &affines, lane, spans, drawn, judge);
             }
         }
     }

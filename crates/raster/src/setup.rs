@@ -15,7 +15,8 @@ const fn power_of_two(exponent: i32) -> f32 {
 }
 
 /// The unit roundoff, and what pays for the rounding of the bounds themselves and for underflow.
-const U: f32 = power_of_two(-24) * (1.0 + power_of_two(-9));
+const U: f32 = power_of_two(-24) * SLACK;
+const SLACK: f32 = 1.0 + power_of_two(-9);
 /// An edge counts as no shorter than this: what underflow takes is nothing beside it.
 const SHORTEST: f32 = power_of_two(-34);
 /// Likewise for the distance of a corner.
@@ -296,8 +297,7 @@ impl Affines {
             let per_edge = eye.per_edge(distance);
             let of_evaluation = reach.mul_add(L::splat(token, 7.0 * U), eye.error);
             let of_normals = (h * per_edge) * (reach * L::splat(token, 8.0 * U));
-            let bound = (widest * L::splat(token, 1.0 + power_of_two(-9)))
-                .mul_add(of_evaluation, of_normals);
+            let bound = (widest * L::splat(token, SLACK)).mul_add(of_evaluation, of_normals);
             bound.store(&mut self.bounds[0][at..]);
             let signed = reciprocal.mul_add(eye.is_central, -(reciprocal * eye.is_parallel));
             let [to, right, down] = &mut self.near;
