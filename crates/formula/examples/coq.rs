@@ -16,7 +16,7 @@ impl MethodVisitor for Definitions {
         let formula = Formula::of::<M>(FloatFormat::F32);
         let name = M::INFO.name.replace('-', "_");
         if let Some(text) = formula.numerators().and_then(|graph| graph.coq(&name)) {
-            self.0 += &format!("\n(* {} *)\n{text}", M::INFO.title);
+            self.0.extend(["\n(* ", M::INFO.title, " *)\n", &text]);
         }
     }
 }

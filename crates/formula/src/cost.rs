@@ -66,7 +66,10 @@ impl Graph {
 impl Test {
     /// The outputs that a hit is made of.
     fn of_hit(&self) -> Vec<Node> {
-        ["hit", "open", "t", "beta", "gamma"].iter().filter_map(|name| self.graph.output(name)).collect()
+        ["hit", "open", "t", "beta", "gamma"]
+            .iter()
+            .filter_map(|name| self.graph.output(name))
+            .collect()
     }
 
     /// The place after the decision.

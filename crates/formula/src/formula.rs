@@ -171,12 +171,13 @@ fn test<M: Method, D: Division, const NUMERATORS: bool>(
     stored: &[String],
 ) -> Test {
     let mut outputs = Vec::new();
-    let mut ray = 0..0;
+    let mut ray = None;
     let (builder, tree) = symbol::record(
         format,
         || outcome::<M, D, NUMERATORS>(group),
         |outcome, path| {
-            ray = outcome.ray.clone();
+            // Of the first path: later ones find what they share recorded.
+            ray.get_or_insert_with(|| outcome.ray.clone());
             let named = named(&outcome, path, M::INFO.claims.exact);
             outputs = named.iter().map(|(name, _)| (*name).to_owned()).collect();
             named.into_iter().map(|(_, node)| node).collect()
@@ -185,7 +186,7 @@ fn test<M: Method, D: Division, const NUMERATORS: bool>(
     let inputs = RAY.iter().map(|&name| name.to_owned()).chain(stored.iter().cloned()).collect();
     let mut graph = Graph { format, inputs, ops: builder.ops, outputs, tree };
     graph.join();
-    Test { form: D::FORM, graph, ray }
+    Test { form: D::FORM, graph, ray: ray.unwrap_or_default() }
 }
 
 fn outcome<M: Method, D: Division, const NUMERATORS: bool>(group: usize) -> Outcome {

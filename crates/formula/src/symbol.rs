@@ -6,7 +6,8 @@ use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
 use trisect_core::{FloatFormat, Lanes, Number, Scalar};
 
-use crate::graph::{Builder, Node, Op, Tree};
+use crate::builder::{self, Builder};
+use crate::graph::{Node, Op, Tree};
 
 /// What is being recorded on this thread.
 struct Recorder {
@@ -138,7 +139,7 @@ pub(crate) struct Recorded(pub(crate) Node);
 
 /// An input of the formula, by its place.
 pub(crate) fn input(place: usize) -> Node {
-    push(Op::In(u32::try_from(place).expect("inputs are few")))
+    push(builder::input(place))
 }
 
 macro_rules! number {

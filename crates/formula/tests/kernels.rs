@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Subject, pairs, subjects};
-use trisect_core::{Float, Hit, Ray, Triangle};
+use trisect_core::{Float, Hit, Ray, Triangle, Vec3};
 use trisect_formula::{Axis, Graph, Latencies, Value};
 
 /// What a graph answers: whether it is open, and the hit.
@@ -13,18 +13,19 @@ fn interpreted<E: Float>(
     triangle: &Triangle<E>,
 ) -> (bool, Option<Hit<E>>) {
     let formula = &subject.formula;
-    let corners = |triangle: &Triangle<E>| triangle.corners().map(|v| v.to_array()).concat();
+    let corners = |triangle: &Triangle<E>| triangle.corners().map(Vec3::to_array).concat();
     let axis = |inputs: &[E]| {
         let axis = formula.axis.as_ref().expect("it is turned");
         let value = axis.run(inputs)[0].number().expect("a number");
-        [0, 1, 2].into_iter().find(|&w| E::from_f64(f64::from(w)) == value).expect("an axis")
+        let is_it = |&(_, w): &(usize, f64)| E::from_f64(w) == value;
+        [(0, 0.0), (1, 1.0), (2, 2.0)].into_iter().find(is_it).expect("an axis").0
     };
     let w = match formula.turned {
         Axis::Any => 2,
         Axis::OfTriangle => axis(&corners(triangle)),
         Axis::OfRay => axis(&ray.d.to_array()),
         Axis::Kinds => panic!("{}: no kinds", subject.name()),
-    } as usize;
+    };
     let (ray, triangle) = (ray.with_axis_last(w), triangle.or_nothing().with_axis_last(w));
     let stored = formula.prepare.run(&corners(&triangle));
     let mut inputs = [ray.o.to_array(), ray.d.to_array()].concat();

@@ -73,15 +73,16 @@ fn program_in_rust(subjects: &[Subject<f32>]) -> String {
     for ((name, kernel), subject) in kernels(subjects, Language::Rust).iter().zip(subjects) {
         let _ = writeln!(text, "mod m_{name} {{\n{kernel}}}");
         let pair = "v(0), v(3), p[6], p[7], v(8), v(11), v(14)";
-        let _ = writeln!(calls, "for p in &pairs {{\nlet v = |i: usize| [p[i], p[i + 1], p[i + 2]];");
+        let _ =
+            writeln!(calls, "for p in &pairs {{\nlet v = |i: usize| [p[i], p[i + 1], p[i + 2]];");
         let _ = writeln!(calls, "let h = m_{name}::{name}_intersect({pair});");
-        calls += &if subject.formula.info.claims.exact {
-            "let to = [h as f32, 0.0, 0.0, 0.0];\n".to_owned()
+        if subject.formula.info.claims.exact {
+            calls += "let to = [h as f32, 0.0, 0.0, 0.0];\n";
         } else {
             let weights =
                 if has(subject, Needs::Barycentrics) { "h.beta, h.gamma" } else { "0.0, 0.0" };
-            format!("let to = h.map_or([0.0; 4], |h| [1.0, h.t, {weights}]);\n")
-        };
+            let _ = writeln!(calls, "let to = h.map_or([0.0; 4], |h| [1.0, h.t, {weights}]);");
+        }
         calls += "for x in to { out.extend(x.to_ne_bytes()); }\n}\n";
     }
     text += "fn main() {\nlet args: Vec<String> = std::env::args().collect();\n\
@@ -126,7 +127,9 @@ fn differences(
     for (subject, answers) in subjects.iter().zip(answers.chunks(4 * pairs.len())) {
         for (pair, answer) in pairs.iter().zip(answers.chunks(4)) {
             let expected = expected(subject, pair);
-            if answer[0] != OPEN && expected.map(f32::to_bits) != [0, 1, 2, 3].map(|i| answer[i].to_bits()) {
+            if answer[0] != OPEN
+                && expected.map(f32::to_bits) != [0, 1, 2, 3].map(|i| answer[i].to_bits())
+            {
                 all.push(format!("{}: {answer:?}, not {expected:?}, of {pair:?}", subject.name()));
             }
         }
@@ -153,7 +156,11 @@ fn compile(compiler: &str, options: &[&str], source: &Path, program: &Path) -> O
 fn compiled(compiler: &str, options: &[&str], source: &Path, program: &Path) {
     let output = compile(compiler, options, source, program);
     let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{options:?}: {}", said.chars().take(4000).collect::<String>());
+    assert!(
+        output.status.success(),
+        "{options:?}: {}",
+        said.chars().take(4000).collect::<String>()
+    );
 }
 
 fn holds_in_c(each: usize, levels: &[&[&str]]) {
@@ -167,11 +174,8 @@ fn holds_in_c(each: usize, levels: &[&[&str]]) {
     fs::write(&source, program_in_c(&subjects)).expect("a temporary folder can be written");
     for level in levels {
         let program = folder.path().join("kernels");
-        let options = [
-            &["-std=c99", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off"],
-            *level,
-        ]
-        .concat();
+        let options =
+            [&["-std=c99", "-Wall", "-Wextra", "-Werror", "-ffp-contract=off"], *level].concat();
         compiled(&compiler, &options, &source, &program);
         let differ = differences(&program, folder.path(), &subjects, &pairs);
         assert!(differ.is_empty(), "{level:?}: {} differ, {}", differ.len(), differ[0]);
@@ -264,7 +268,9 @@ fn the_program_of_the_page_runs() {
     };
     let (program, prints) = (block("c"), block("text"));
     assert!(program.lines().count() <= 24, "about 20 lines");
-    assert!(page.contains("trisect emit --method moller-trumbore --language c > moller_trumbore.h"));
+    assert!(
+        page.contains("trisect emit --method moller-trumbore --language c > moller_trumbore.h")
+    );
     let Some(compiler) = compiler() else {
         println!("skipped: there is no C compiler");
         return;

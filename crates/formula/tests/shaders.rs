@@ -36,7 +36,8 @@ fn texts(language: Language) -> Vec<(String, String)> {
 fn wgsl_is_valid() {
     for (name, text) in texts(Language::Wgsl) {
         let module = naga::front::wgsl::parse_str(&text);
-        let module = module.unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&text)));
+        let module =
+            module.unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&text)));
         validate(&module, &name, &text);
     }
 }
@@ -75,12 +76,14 @@ fn what_cannot_be_written_is_refused_with_a_way_out() {
         emit(formula, request).expect_err("it cannot be").to_string()
     };
     let said = refused(of("havel-herout"), Some(Form::Early), None);
-    assert_eq!(said, "havel-herout has no early division: leave out --division, or ask for deferred");
+    assert_eq!(
+        said,
+        "havel-herout has no early division: leave out --division, or ask for deferred"
+    );
     let said = refused(of("wald"), None, Some(Output::Normal));
     assert_eq!(said, "wald does not give normal: ask for one of occlusion, t, barycentrics, point");
     assert!(refused(of("exact"), None, Some(Output::T)).contains("ask for occlusion"));
-    let request =
-        Request { language: Language::Wgsl, division: None, needs: None, prefix: None };
+    let request = Request { language: Language::Wgsl, division: None, needs: None, prefix: None };
     let doubles = Formula { format: FloatFormat::F64, ..of("wald").clone() };
     let error = emit(&doubles, request).expect_err("shaders have no f64");
     assert_eq!(error, EmitError::Precision { language: Language::Wgsl });

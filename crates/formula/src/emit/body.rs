@@ -102,9 +102,12 @@ impl<'a> Body<'a> {
             rare,
             labels: HashMap::new(),
             // Names of parameters and of what is returned, and words of the languages.
-            taken: ["ray", "triangle", "result", "a", "b", "c", "o", "d", "u", "v", "axis", "t_min", "t_max", "point", "normal"]
-                .map(str::to_owned)
-                .into(),
+            taken: [
+                "ray", "triangle", "result", "a", "b", "c", "o", "d", "u", "v", "axis", "t_min",
+                "t_max", "point", "normal",
+            ]
+            .map(str::to_owned)
+            .into(),
             short: HashMap::new(),
             components,
             lines: Vec::new(),
@@ -114,7 +117,9 @@ impl<'a> Body<'a> {
 
     /// Gives a node a name, unless it has one or is given.
     pub(super) fn label(&mut self, node: Node, name: &str) {
-        if self.written[node.place()].is_none() && !matches!(self.graph.op(node), Op::Const(_) | Op::Truth(_)) {
+        if self.written[node.place()].is_none()
+            && !matches!(self.graph.op(node), Op::Const(_) | Op::Truth(_))
+        {
             let name = self.labels.entry(node).or_insert_with(|| name.to_owned());
             self.taken.insert(name.clone());
             if let Some(component) = component(name) {
@@ -294,7 +299,9 @@ impl<'a> Body<'a> {
             }
             Op::Neg(a) => (format!("-{}", self.operand(a, Level::Atom)), Level::Sum),
             Op::Abs(a) => match (language, language.number(self.graph.format)) {
-                (Language::Rust, _) => (format!("{}.abs()", self.operand(a, Level::Atom)), Level::Atom),
+                (Language::Rust, _) => {
+                    (format!("{}.abs()", self.operand(a, Level::Atom)), Level::Atom)
+                }
                 (Language::C, "float") => (format!("fabsf({})", self.text(a)), Level::Atom),
                 (Language::C, _) => (format!("fabs({})", self.text(a)), Level::Atom),
                 _ => (format!("abs({})", self.text(a)), Level::Atom),
@@ -332,7 +339,10 @@ impl<'a> Body<'a> {
             Some((base, axis)) if base.len() <= LONGEST_NAME => (base.clone(), *axis),
             Some((base, axis)) => {
                 let count = self.short.len() + 1;
-                (self.short.entry(base.clone()).or_insert_with(|| format!("v{count}")).clone(), *axis)
+                (
+                    self.short.entry(base.clone()).or_insert_with(|| format!("v{count}")).clone(),
+                    *axis,
+                )
             }
             None if self.graph.is_truth(node) => ("is".to_owned(), None),
             None => ("s".to_owned(), None),
@@ -340,8 +350,11 @@ impl<'a> Body<'a> {
         let axis_name = axis.map(|axis| ["_x", "_y", "_z"][axis]).unwrap_or_default();
         let mut name = format!("{wanted}{axis_name}");
         if described.is_none() || self.taken.contains(&name) {
-            let numbered = |count| format!("{wanted}{count}{axis_name}");
-            name = (1..).map(numbered).find(|name| !self.taken.contains(name)).unwrap_or_default();
+            let mut count = 0;
+            while count == 0 || self.taken.contains(&name) {
+                count += 1;
+                name = format!("{wanted}{count}{axis_name}");
+            }
         }
         self.taken.insert(name.clone());
         if let (Some((base, _)), Some(axis)) = (&described, axis) {

@@ -2,8 +2,6 @@
 
 use trisect_core::{FloatFormat, named};
 
-use crate::graph::literal;
-
 named! {
     /// A language that kernels are written in.
     pub enum Language {
@@ -60,7 +58,13 @@ impl Language {
 
     /// A number.
     pub(super) fn literal(self, format: FloatFormat, value: f64) -> String {
-        let digits = literal(format, value);
+        debug_assert!(value.is_finite(), "no language has literals of others");
+        // The shortest digits that are read as the same number.
+        #[allow(clippy::cast_possible_truncation, reason = "it is a number of the format")]
+        let digits = match format {
+            FloatFormat::F32 => format!("{:?}", value as f32),
+            FloatFormat::F64 => format!("{value:?}"),
+        };
         match (self, format) {
             (Self::C | Self::Wgsl, FloatFormat::F32) => digits + "f",
             _ => digits,
@@ -88,13 +92,12 @@ impl Language {
     pub(super) fn declare(self, kind: &str, name: &str, value: &str, changes: bool) -> String {
         match (self, changes) {
             (Self::C, false) => format!("const {kind} {name} = {value};"),
-            (Self::C, true) => format!("{kind} {name} = {value};"),
             // Neither contracted nor factored.
             (Self::Glsl, _) if kind == "float" || kind == "double" => {
                 format!("precise {kind} {name} = {value};")
             }
-            (Self::Glsl, _) => format!("{kind} {name} = {value};"),
-            (Self::Wgsl, false) | (Self::Rust, false) => format!("let {name} = {value};"),
+            (Self::Glsl, _) | (Self::C, true) => format!("{kind} {name} = {value};"),
+            (Self::Wgsl | Self::Rust, false) => format!("let {name} = {value};"),
             (Self::Wgsl, true) => format!("var {name} = {value};"),
             (Self::Rust, true) => format!("let mut {name} = {value};"),
         }
@@ -159,21 +162,21 @@ impl Language {
             _ => format!("struct {name} {{\n"),
         };
         for (field, kind) in fields {
-            text += &match self {
-                Self::C => match kind.strip_suffix("[3]") {
-                    Some(number) => format!("    {number} {field}[3];\n"),
-                    None => format!("    {kind} {field};\n"),
-                },
-                Self::Glsl => format!("    {kind} {field};\n"),
-                Self::Wgsl => format!("    {field}: {kind},\n"),
-                Self::Rust => format!("    pub {field}: {kind},\n"),
+            let member = match (self, kind.strip_suffix("[3]")) {
+                (Self::C, Some(number)) => format!("{number} {field}[3];"),
+                (Self::C | Self::Glsl, _) => format!("{kind} {field};"),
+                (Self::Wgsl, _) => format!("{field}: {kind},"),
+                (Self::Rust, _) => format!("pub {field}: {kind},"),
             };
+            text.extend(["    ", &member, "\n"]);
         }
-        text += &match self {
-            Self::C => format!("}} {name};\n"),
-            Self::Glsl => "};\n".to_owned(),
-            _ => "}\n".to_owned(),
-        };
+        text += "}";
+        match self {
+            Self::C => text.extend([" ", name, ";"]),
+            Self::Glsl => text += ";",
+            Self::Wgsl | Self::Rust => {}
+        }
+        text.push('\n');
         text
     }
 

@@ -118,7 +118,8 @@ impl Writer<'_> {
             );
         } else {
             all.push(
-                "Not watertight: rays aimed at a shared edge may pass between its triangles.".to_owned(),
+                "Not watertight: rays aimed at a shared edge may pass between its triangles."
+                    .to_owned(),
             );
         }
         all.push(if info.claims.unit_direction {
@@ -179,15 +180,16 @@ impl Writer<'_> {
             text += "\n#if defined(__FAST_MATH__) || (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0)\n\
                      #error \"every operation must be rounded by itself: see above\"\n#endif\n";
         }
-        let mut function = |name: &str, parameters: &[(&str, &str)], lines: &[String], said: &str| {
-            let name = format!("{prefix}_{name}");
-            let _ = write!(text, "\n{}", self.comment(said));
-            let _ = writeln!(text, "{}", language.function(&name, parameters, number));
-            for line in lines {
-                let _ = writeln!(text, "    {line}");
-            }
-            text += "}\n";
-        };
+        let mut function =
+            |name: &str, parameters: &[(&str, &str)], lines: &[String], said: &str| {
+                let name = format!("{prefix}_{name}");
+                let _ = write!(text, "\n{}", self.comment(said));
+                let _ = writeln!(text, "{}", language.function(&name, parameters, number));
+                for line in lines {
+                    let _ = writeln!(text, "    {line}");
+                }
+                text += "}\n";
+            };
         if language == Language::Wgsl && is_used("rounded") {
             let line = "return bitcast<f32>(bitcast<u32>(x) ^ trisect_zero);".to_owned();
             function("rounded", &[("x", number)], &[line], "A product, rounded by itself.");

@@ -33,7 +33,10 @@ impl<E> Subject<E> {
 
 struct Collect<E>(Vec<Subject<E>>);
 
-fn kernel<M: Method, D: Division, E: Float>(ray: &Ray<E>, triangle: &Triangle<E>) -> Option<Hit<E>> {
+fn kernel<M: Method, D: Division, E: Float>(
+    ray: &Ray<E>,
+    triangle: &Triangle<E>,
+) -> Option<Hit<E>> {
     intersect_with::<M, D, E>(ray, triangle, Culling::None)
 }
 
