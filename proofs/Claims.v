@@ -2,7 +2,7 @@
 Require Import List Reals Lra Lia.
 Import ListNotations.
 Require Import Trisect.Bound Trisect.Float Trisect.Norms.
-Require Trisect.Filter Trisect.Hit Trisect.Double Trisect.Slabs.
+Require Trisect.Filter Trisect.Hit Trisect.Overflow Trisect.Double Trisect.Slabs.
 Open Scope R_scope.
 
 (** Ends of the interval are brought within this. *)
@@ -37,6 +37,14 @@ Proof. exact (Filter.volumes_within_bound rnd u eta arithmetic precise wide v f 
 Theorem filter_bounds_time tau s : s = 1 \/ s = -1 ->
   Rabs (Filter.mul_sub rnd fuse tau (s * computed det) (s * computed T) - s * (tau * exact v det - exact v T)) <= bound_at tau.
 Proof. exact (Filter.row_within_bound rnd u eta arithmetic precise wide v f reads fuse is_fast tau s). Qed.
+
+(** Where the bound says something no number on the way to the volumes is larger than 2¹²⁵ in f32, 2¹⁰²¹ in f64. *)
+Theorem filter_does_not_overflow e : bound < Hit.NO_BOUND -> List.In e [det; U; V; W; T] ->
+  Overflow.below rnd f (/ (2 * eta)) (if fuse then fused e else e).
+Proof.
+  intros B I. destruct (machine_limits _ _ _ _ on) as [P E].
+  exact (Overflow.nothing_overflows rnd u eta arithmetic precise wide v f reads fuse is_fast P B e I E).
+Qed.
 
 (** A pair that the filter drops misses. *)
 Theorem filter_misses_rightly : bound < Rmin (Filter.most rnd f fuse) (- Filter.least rnd f fuse) -> forall t, ~ hits v t.

@@ -158,3 +158,5 @@ Proof.
 Qed.
 Theorem machine_is_fine rnd read u eta : machine rnd read u eta -> 0 < u <= / 2 ^ 24 /\ 0 <= eta <= u * / 2 ^ 102.
 Proof. intros []; unfold u32, u64, eta32, eta64; lra. Qed.
+Theorem machine_limits rnd read u eta : machine rnd read u eta -> / 2 ^ 53 <= u /\ 0 < eta.
+Proof. intros []; unfold u32, u64, eta32, eta64; (split; [lra|apply Rinv_0_lt_compat, pow_lt; lra]). Qed.
