@@ -77,7 +77,9 @@ fn shards_of_a_measurement_are_the_whole_of_it() {
         ),
         ("merge 1.jsonl 2.jsonl 1.jsonl", "1.jsonl: shard 1/2 is given already; name each once"),
     ] {
-        let run = folder.trisect(arguments, b"");
+        let before = folder.listing();
+        let run = folder.trisect(&format!("{arguments} --output new.jsonl"), b"");
+        assert_eq!(folder.listing(), before, "{arguments}");
         assert_eq!((run.code, run.stderr), (Some(2), format!("trisect: {says}\n")));
     }
     let other = measure.replace("wald", "plucker");

@@ -38,7 +38,7 @@ pub struct Raster {
     /// Threads, at most.
     pub threads: usize,
     /// Copies of the bunny in each mesh beyond it.
-    pub copies: &'static [usize],
+    pub copies: &'static [u16],
     /// Sizes of pictures.
     pub sizes: Vec<[u32; 2]>,
     /// The size of the frame of 2012.

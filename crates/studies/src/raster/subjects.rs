@@ -9,7 +9,7 @@ use trisect_core::Triangle;
 use trisect_raster::{Blocks, Object};
 use trisect_render::{Stage, StageError};
 use trisect_scene::{Camera, Instance, Lens, Light, Material, Mesh, Pixels, Scene, Texture};
-use trisect_workloads::{Placement, Surface, bunny};
+use trisect_workloads::{Placement, Surface, bunny, crowd};
 
 /// A mesh, and from where it is seen.
 pub(super) struct Subject {
@@ -19,33 +19,17 @@ pub(super) struct Subject {
 }
 
 /// Meshes from a thousand triangles on: spheres, the bunny, and turned copies of it, so many each.
-pub(super) fn meshes(copies: &[usize]) -> impl Iterator<Item = Subject> + '_ {
+pub(super) fn meshes(copies: &[u16]) -> impl Iterator<Item = Subject> + '_ {
     let spheres = [3, 5].into_iter().map(|subdivisions| {
         let sphere = Surface::sphere(subdivisions);
         subject("sphere", sphere.triangles(&Placement::HERE))
     });
-    let bunnies = copies
-        .iter()
-        .map(|&count| subject(&format!("{count} bunnies"), turned(&bunny().triangles, count)));
+    let bunnies = copies.iter().map(|&count| {
+        let bunnies = crowd(&bunny(), count).expect("bunnies are small");
+        subject(&format!("{count} bunnies"), bunnies.triangles.to_vec())
+    });
     let one = std::iter::once_with(|| subject("bunny", bunny().triangles.to_vec()));
     spheres.chain(one).chain(bunnies)
-}
-
-/// Copies of a mesh, each turned, in rows of a square.
-fn turned(triangles: &[Triangle<f32>], count: usize) -> Vec<Triangle<f32>> {
-    let across = (1..).find(|side| side * side >= count).unwrap_or(1);
-    (0..count)
-        .flat_map(|copy| {
-            let at = Vec3::new((copy % across) as f32, 0.0, (copy / across) as f32) * 0.16;
-            let turn = Quat::from_rotation_y(copy as f32 * 2.4);
-            let place = Affine3A::from_rotation_translation(turn, at);
-            triangles.iter().map(move |triangle| {
-                let [a, b, c] =
-                    triangle.corners().map(|corner| place.transform_point3(corner.into()));
-                Triangle::new(a, b, c)
-            })
-        })
-        .collect()
 }
 
 /// Seen from the front and a little above, so that it fills most of the picture.
