@@ -164,28 +164,28 @@ fn worse(a: Option<Noise>, b: Option<Noise>) -> Option<Noise> {
 /// The lines of all parts, in the order of their numbers. Where several shards did a part together, each line is one of
 /// theirs.
 fn lines(shards: Vec<(String, Records)>) -> Result<Vec<Line>, MergeError> {
-    struct Lines {
+    struct OfPart {
         part: usize,
         file: usize,
         lines: Vec<Line>,
     }
-    let mut parts: Vec<Lines> = Vec::new();
+    let mut parts: Vec<OfPart> = Vec::new();
     let mut names = Vec::new();
     for (file, (name, records)) in shards.into_iter().enumerate() {
         names.push(name);
         for line in records.lines {
             if let Some(&Part { number }) = line.get() {
-                parts.push(Lines { part: number, file, lines: Vec::new() });
+                parts.push(OfPart { part: number, file, lines: Vec::new() });
             } else if let Some(last) = parts.last_mut().filter(|last| last.file == file) {
                 last.lines.push(line);
             }
         }
     }
-    parts.sort_by_key(|lines| lines.part);
+    parts.sort_by_key(|of| of.part);
     let mut merged: Vec<Line> = Vec::new();
     // Where the lines of the part before begin, and its number.
     let mut before = None;
-    for Lines { part, file, lines } in parts {
+    for OfPart { part, file, lines } in parts {
         match before {
             Some((start, same)) if same == part => {
                 let there: &mut [Line] = &mut merged[start..];
