@@ -43,12 +43,18 @@ pub enum ReshapeError {
 }
 
 /// Shapes of one kind in a tree.
-pub struct Geometry(Box<dyn Kind>);
+pub struct Geometry {
+    kind: Box<dyn Kind>,
+    /// The shapes, where they are triangles: their normals take no call.
+    triangles: Option<Arc<[Triangle<f32>]>>,
+}
 
 /// What is asked of shapes, whatever their kind.
 trait Kind: Any + Send + Sync {
     fn tree(&self) -> &dyn Tree;
     fn count(&self) -> usize;
+    fn triangles(&self) -> Option<Arc<[Triangle<f32>]>>;
+    /// Of shapes that are no triangles.
     fn normal(&self, shape: usize, ray: &Ray<f32>, hit: &Hit<f32>) -> Vec3;
     /// `shapes` is a vector of such shapes.
     fn reshape(&mut self, shapes: Box<dyn Any>, change: Change) -> Result<Update, ReshapeError>;
@@ -63,7 +69,7 @@ struct Of<P: Primitive> {
 
 /// Triangles in a tree that somebody else builds.
 struct Mesh {
-    triangles: Vec<Triangle<f32>>,
+    triangles: Arc<[Triangle<f32>]>,
     tree: Box<dyn Tree>,
     builder: Builder,
     build: BuildTree,
@@ -81,7 +87,7 @@ impl Geometry {
     ) -> Result<Self, UnsuitableMesh> {
         let shapes: Arc<[P::Shape]> = shapes.into();
         let tree = P::Tree::build(&shapes, builder)?;
-        Ok(Self(Box::new(Of::<P> { shapes, tree, builder })))
+        Ok(Self::new(Of::<P> { shapes, tree, builder }))
     }
 
     /// Triangles in a tree.
@@ -94,17 +100,21 @@ impl Geometry {
         build: BuildTree,
     ) -> Result<Self, UnsuitableMesh> {
         let tree = build(&triangles, builder, LeafSize::default())?;
-        Ok(Self(Box::new(Mesh { triangles, tree, builder, build })))
+        Ok(Self::new(Mesh { triangles: triangles.into(), tree, builder, build }))
+    }
+
+    fn new(kind: impl Kind) -> Self {
+        Self { triangles: kind.triangles(), kind: Box::new(kind) }
     }
 
     /// The tree.
     pub fn tree(&self) -> &dyn Tree {
-        self.0.tree()
+        self.kind.tree()
     }
 
     /// How many shapes there are.
     pub fn count(&self) -> usize {
-        self.0.count()
+        self.kind.count()
     }
 
     /// Whether a shape may be in several leaves, so that programs are offered a hit of it more than once.
@@ -114,7 +124,10 @@ impl Geometry {
 
     #[inline]
     pub(crate) fn normal(&self, shape: u32, ray: &Ray<f32>, hit: &Hit<f32>) -> Vec3 {
-        self.0.normal(shape as usize, ray, hit)
+        match &self.triangles {
+            Some(triangles) => primitive::normal(&triangles[shape as usize]),
+            None => self.kind.normal(shape as usize, ray, hit),
+        }
     }
 
     /// What a hit of a primitive says; `None` where the shapes are not of that primitive.
@@ -124,7 +137,7 @@ impl Geometry {
         ray: &Ray<f32>,
         hit: &Hit<f32>,
     ) -> Option<P::Attributes> {
-        let kind: &dyn Any = &*self.0;
+        let kind: &dyn Any = &*self.kind;
         let of = kind.downcast_ref::<Of<P>>()?;
         Some(P::attributes(&of.shapes[shape as usize], ray, hit))
     }
@@ -134,7 +147,9 @@ impl Geometry {
         shapes: Vec<S>,
         change: Change,
     ) -> Result<Update, ReshapeError> {
-        self.0.reshape(Box::new(shapes), change)
+        let update = self.kind.reshape(Box::new(shapes), change)?;
+        self.triangles = self.kind.triangles();
+        Ok(update)
     }
 }
 
@@ -154,6 +169,10 @@ impl<P: Primitive> Kind for Of<P> {
 
     fn count(&self) -> usize {
         self.shapes.len()
+    }
+
+    fn triangles(&self) -> Option<Arc<[Triangle<f32>]>> {
+        P::triangles(&self.shapes)
     }
 
     fn normal(&self, shape: usize, ray: &Ray<f32>, hit: &Hit<f32>) -> Vec3 {
@@ -184,12 +203,16 @@ impl Kind for Mesh {
         self.triangles.len()
     }
 
+    fn triangles(&self) -> Option<Arc<[Triangle<f32>]>> {
+        Some(Arc::clone(&self.triangles))
+    }
+
     fn normal(&self, shape: usize, _: &Ray<f32>, _: &Hit<f32>) -> Vec3 {
         primitive::normal(&self.triangles[shape])
     }
 
     fn reshape(&mut self, shapes: Box<dyn Any>, change: Change) -> Result<Update, ReshapeError> {
-        let triangles = shapes_of::<Triangle<f32>>(shapes)?;
+        let triangles: Arc<[Triangle<f32>]> = shapes_of::<Triangle<f32>>(shapes)?.into();
         if change != Change::Rebuild {
             let update = primitive::fit(&mut *self.tree, &triangles)?;
             if !is_over(update, change) {

@@ -135,13 +135,13 @@ impl<'a, M> Place<'a, M> {
     }
 
     /// The point, in the world.
-    #[inline]
+    #[inline(always)]
     pub fn point(&self) -> Vec3 {
         Vec3::from(self.ray.o) + self.direction() * self.t()
     }
 
     /// The normal of the front, of unit length, in the world.
-    #[inline]
+    #[inline(always)]
     pub fn front(&self) -> Vec3 {
         let (record, hit) = (self.record(), &self.found.hit);
         let geometry = self.scene.graph.of(record.geometry);
@@ -156,7 +156,7 @@ impl<'a, M> Place<'a, M> {
     }
 
     /// The point and its normals, computed once for all that is asked of them.
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self) -> Surface {
         let (front, point) = (self.front(), self.point());
         let is_front = front.dot(self.direction()) <= 0.0;
@@ -178,7 +178,7 @@ impl<'a, M> Place<'a, M> {
     }
 
     /// Where a ray starts that leaves in a direction, see [`Surface::leave`].
-    #[inline]
+    #[inline(always)]
     pub fn leave(&self, direction: Vec3) -> Vec3 {
         self.surface().leave(direction)
     }
@@ -210,7 +210,7 @@ pub struct Surface {
 
 impl Surface {
     /// Where a ray starts that leaves the surface in a direction: off it, on the side where the direction points.
-    #[inline]
+    #[inline(always)]
     pub fn leave(&self, direction: Vec3) -> Vec3 {
         self.point + self.front * self.off.copysign(self.front.dot(direction))
     }

@@ -28,6 +28,11 @@ pub trait Primitive: Send + Sync + Sized + 'static {
     /// Towards the front of a shape where a ray hits it, of any length but zero.
     fn normal(shape: &Self::Shape, ray: &Ray<f32>, hit: &Hit<f32>) -> Vec3;
 
+    /// The shapes, where they are triangles whose normals are those of their corners: these are computed without a call.
+    fn triangles(_shapes: &Arc<[Self::Shape]>) -> Option<Arc<[Triangle<f32>]>> {
+        None
+    }
+
     /// What else there is to know of a hit. The ray is in the space of the shape.
     fn attributes(shape: &Self::Shape, ray: &Ray<f32>, hit: &Hit<f32>) -> Self::Attributes;
 }
@@ -69,6 +74,10 @@ impl<M: Method> Primitive for M {
 
     fn normal(triangle: &Triangle<f32>, _: &Ray<f32>, _: &Hit<f32>) -> Vec3 {
         normal(triangle)
+    }
+
+    fn triangles(triangles: &Arc<[Triangle<f32>]>) -> Option<Arc<[Triangle<f32>]>> {
+        Some(Arc::clone(triangles))
     }
 
     fn attributes(_: &Triangle<f32>, _: &Ray<f32>, hit: &Hit<f32>) -> [f32; 3] {

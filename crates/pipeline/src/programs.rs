@@ -133,7 +133,7 @@ impl<E: Entry> On<'_, E> {
     }
 
     /// What the index has in the buffer.
-    #[inline]
+    #[inline(always)]
     pub fn out(&mut self) -> &mut E::Out {
         &mut self.cells.out[self.slot as usize]
     }
@@ -145,7 +145,7 @@ impl<E: Entry> On<'_, E> {
     }
 
     /// Sends a ray of a type, which is named by a value of it.
-    #[inline]
+    #[inline(always)]
     pub fn send<R: RayType, I>(&mut self, _type: R, ray: Ray<f32>, payload: R::Payload)
     where
         QueuesOf<E>: Holds<R, I>,

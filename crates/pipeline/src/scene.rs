@@ -73,7 +73,7 @@ impl<M> Scene<M> {
     }
 
     /// What is known of a hit.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn place(&self, ray: Ray<f32>, found: TriangleHit) -> Place<'_, M> {
         // Those without shapes begin where the next one does, and own nothing.
         let records = &self.resolved.records;

@@ -38,7 +38,7 @@ impl<R: RayType> Default for Queue<R> {
 }
 
 impl<R: RayType> Queue<R> {
-    #[inline]
+    #[inline(always)]
     pub(crate) fn push(&mut self, ray: Ray<f32>, slot: u32, payload: R::Payload) {
         self.waiting.rays.push(ray);
         self.waiting.carried.push((slot, payload));
@@ -222,7 +222,7 @@ ray_types!(4: A 0, B 1, C 2, D 3);
 macro_rules! holds {
     ($(($($type:ident)+): $own:ident $at:tt;)+) => {
         $(impl<$($type: RayType),+> Holds<$own, Nth<$at>> for ($(Queue<$type>,)+) {
-            #[inline]
+            #[inline(always)]
             fn queue(&mut self) -> &mut Queue<$own> {
                 &mut self.$at
             }

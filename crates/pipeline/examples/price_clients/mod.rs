@@ -334,17 +334,17 @@ impl<'a> ByHand<'a> {
         let mut picture = vec![Vec3::ZERO; (side * side) as usize];
         for top in (0..side).step_by(64) {
             for left in (0..side).step_by(64) {
-                let pixels = (top..side.min(top + 64))
-                    .flat_map(|y| (left..side.min(left + 64)).map(move |x| [x, y]));
                 self.rays.clear();
                 self.carried.clear();
-                for [x, y] in pixels {
-                    let ray = match client {
-                        Client::Sight => self.view.line([x, y]),
-                        _ => self.view.ray(x, y),
-                    };
-                    self.rays.push(ray);
-                    self.carried.push((y * side + x, 1.0));
+                for y in top..side.min(top + 64) {
+                    for x in left..side.min(left + 64) {
+                        let ray = match client {
+                            Client::Sight => self.view.line([x, y]),
+                            _ => self.view.ray(x, y),
+                        };
+                        self.rays.push(ray);
+                        self.carried.push((y * side + x, 1.0));
+                    }
                 }
                 match client {
                     Client::Ambient => self.ambient(&mut picture),
