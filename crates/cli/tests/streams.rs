@@ -16,7 +16,7 @@ fn full() -> File {
 }
 
 /// Something of every verb that ends at once, the record `r.jsonl` being there.
-const ANSWERS: [&str; 12] = [
+const ANSWERS: [&str; 13] = [
     "--help",
     "render --help",
     "--version",
@@ -25,6 +25,7 @@ const ANSWERS: [&str; 12] = [
     "completions bash",
     "man",
     "man render",
+    "emit --method wald --language rust",
     "query --mesh mesh.obj --rays rays.csv --method wald",
     "trace --mesh mesh.obj --rays rays.csv --repeat 1",
     "verify --mesh mesh.obj --rays rays.csv --methods wald",
@@ -32,7 +33,7 @@ const ANSWERS: [&str; 12] = [
 ];
 
 /// Something of every verb that is refused.
-const REFUSED: [&str; 16] = [
+const REFUSED: [&str; 17] = [
     "--mesh none.obj",
     "measure --mesh none.obj",
     "rank none.jsonl",
@@ -46,6 +47,7 @@ const REFUSED: [&str; 16] = [
     "render none.toml -o p.png",
     "recommend --mesh none.obj",
     "explain none.toml",
+    "emit --method none --language c",
     "pictures --methods none",
     "intersect",
     "man intersect",

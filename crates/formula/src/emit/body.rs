@@ -364,10 +364,24 @@ impl<'a> Body<'a> {
         name
     }
 
-    /// What a node is: a difference or a product of vectors.
+    /// What a node is: a difference or a product of vectors, a quotient, or what has a name with its sign changed.
     fn describe(&self, node: Node) -> Option<(String, Option<usize>)> {
         let of = |node: Node| self.components.get(&node);
         match self.graph.op(node) {
+            Op::Abs(a) => Some((format!("abs_{}", self.labels.get(&a)?), None)),
+            Op::XorSign(a, _) => Some((format!("signed_{}", self.labels.get(&a)?), None)),
+            Op::Div(a, b) => {
+                let axes = ["x", "y", "z"];
+                let over = of(b).map(|(b, k)| format!("over_{b}_{}", axes[*k]));
+                match (self.graph.constant(a), of(a), over) {
+                    (Some(1.0), _, Some(over)) => Some((format!("one_{over}"), None)),
+                    (Some(1.0), _, None) => Some(("reciprocal".to_owned(), None)),
+                    (_, Some((a, j)), Some(over)) => {
+                        Some((format!("{a}_{}_{over}", axes[*j]), None))
+                    }
+                    _ => None,
+                }
+            }
             Op::Sub(a, b) => {
                 let ((a, axis), (b, other)) = (of(a)?, of(b)?);
                 (axis == other).then(|| (format!("{a}_minus_{b}"), Some(*axis)))

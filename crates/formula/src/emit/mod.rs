@@ -376,6 +376,9 @@ impl<'a> Writer<'a> {
                 body.begin(&format!("way == {}", self.language.whole(place)));
             }
             body.in_block(|body| {
+                for (name, &node) in graph.outputs.iter().zip(*leaf) {
+                    body.label(node, name);
+                }
                 body.compute(leaf);
                 let mut returned = construct(body, leaf);
                 if !is_last && self.language == Language::Rust {

@@ -64,18 +64,21 @@ impl Writer<'_> {
 
     /// What a test takes.
     fn price(&self) -> String {
-        let names: Vec<_> = self.fields().iter().map(|field| field.name).collect();
         let Ops { multiplies, adds, divisions, comparisons, .. } = self.test.decision();
-        let after = if names.is_empty() || self.test.form == Form::Early {
+        let after = if self.fields().is_empty() || self.test.form == Form::Early {
             String::new()
         } else {
             let Ops { multiplies, divisions, .. } = self.test.finish();
-            format!("; a hit takes {divisions} division(s) and {multiplies} products more")
+            format!(
+                "; a hit takes {} and {multiplies} products more",
+                counted(divisions, "division")
+            )
         };
         format!(
             "A triangle is stored in {} numbers. A test takes {multiplies} products, {adds} sums and differences, \
-             {divisions} division(s) and {comparisons} comparisons{after}.",
+             {} and {comparisons} comparisons{after}.",
             self.formula.prepare.outputs.len(),
+            counted(divisions, "division"),
         )
     }
 
@@ -104,8 +107,7 @@ impl Writer<'_> {
         if info.claims.exact {
             all.push(
                 "Never wrong: a hit and a miss are those of exact arithmetic. What is open, a ray within rounding of an \
-                 edge or of an end of its interval, this formula cannot tell: it is about one pair in a million on \
-                 ordinary scenes. Settle it on the CPU by the method `exact` of trisect's library, or by exact \
+                 edge or of an end of its interval, this formula cannot tell. Settle it on the CPU by the method `exact` of trisect's library, or by exact \
                  arithmetic of your own. Without that, let open count as a hit for shadows and visibility, which \
                  closes all cracks."
                     .to_owned(),
@@ -127,9 +129,12 @@ impl Writer<'_> {
         } else {
             "d may have any length but zero.".to_owned()
         });
+        if matches!(self.language, Language::C | Language::Rust) {
+            all.push("A ray with a NaN or an infinity, but for t_max, hits nothing.".to_owned());
+        }
         all.push(
-            "A ray with a NaN or an infinity, but for t_max, hits nothing. A triangle without area, or that is not \
-             finite, must be left out, or all its coordinates be NaN."
+            "A triangle without area, or that is not finite, must be left out; where that is not possible, all its \
+             coordinates must be NaN."
                 .to_owned(),
         );
         all
@@ -234,6 +239,15 @@ impl Writer<'_> {
             text = format!("\n@group(0) @binding(0) var<uniform> trisect_zero: u32;\n{text}");
         }
         text
+    }
+}
+
+/// So many of something.
+fn counted(count: u32, what: &str) -> String {
+    match count {
+        0 => format!("no {what}"),
+        1 => format!("1 {what}"),
+        _ => format!("{count} {what}s"),
     }
 }
 
