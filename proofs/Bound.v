@@ -12,12 +12,25 @@ Inductive expr :=
 | MulAdd (a b c : expr) | MulSub (a b c : expr)    (* a·b ± c, rounded twice *)
 | Fma (a b c : expr) | Fms (a b c : expr).         (* the same, rounded once *)
 
-(** The formula where multiply-add is fused. *)
-Fixpoint fused e := match e with
-| In i => In i | Diff i j => Diff i j | Neg a => Neg (fused a)
-| Add a b => Add (fused a) (fused b) | Sub a b => Sub (fused a) (fused b) | Mul a b => Mul (fused a) (fused b)
-| MulAdd a b c | Fma a b c => Fma (fused a) (fused b) (fused c)
-| MulSub a b c | Fms a b c => Fms (fused a) (fused b) (fused c) end.
+(** The formula where multiply-add is fused, but in what [keep] picks. *)
+Fixpoint fused_but (keep : expr -> bool) e := if keep e then e else match e with
+| In i => In i | Diff i j => Diff i j | Neg a => Neg (fused_but keep a)
+| Add a b => Add (fused_but keep a) (fused_but keep b)
+| Sub a b => Sub (fused_but keep a) (fused_but keep b)
+| Mul a b => Mul (fused_but keep a) (fused_but keep b)
+| MulAdd a b c | Fma a b c => Fma (fused_but keep a) (fused_but keep b) (fused_but keep c)
+| MulSub a b c | Fms a b c => Fms (fused_but keep a) (fused_but keep b) (fused_but keep c) end.
+Definition fused := fused_but (fun _ => false).
+
+(** Whether two formulas are the same. *)
+Fixpoint same a b := match a, b with
+| In i, In j => Nat.eqb i j
+| Diff i j, Diff k l => Nat.eqb i k && Nat.eqb j l
+| Neg a, Neg b => same a b
+| Add a b, Add c d | Sub a b, Sub c d | Mul a b, Mul c d => same a c && same b d
+| MulAdd a b c, MulAdd d e f | MulSub a b c, MulSub d e f | Fma a b c, Fma d e f | Fms a b c, Fms d e f =>
+  same a d && same b e && same c f
+| _, _ => false end%bool.
 
 (** How many roundings a term of the formula goes through at most. *)
 Fixpoint depth e : nat := match e with
@@ -76,16 +89,16 @@ Proof.
     repeat apply Rplus_le_compat; try (apply Rmult_le_compat); auto.
 Qed.
 
-Lemma exact_fused e : exact (fused e) = exact e.
-Proof. induction e; simpl; congruence. Qed.
-Lemma magnitude_fused m e : magnitude m (fused e) = magnitude m e.
-Proof. induction e; simpl; congruence. Qed.
+Lemma exact_fused keep e : exact (fused_but keep e) = exact e.
+Proof. induction e; cbn [fused_but]; destruct (keep _); cbn [exact]; congruence. Qed.
+Lemma magnitude_fused keep m e : magnitude m (fused_but keep e) = magnitude m e.
+Proof. induction e; cbn [fused_but]; destruct (keep _); cbn [magnitude]; congruence. Qed.
 End Values.
 
-Lemma depth_fused e : (depth (fused e) <= depth e)%nat.
-Proof. induction e; cbn [fused depth losses]; lia. Qed.
-Lemma losses_fused e : (losses (fused e) <= losses e)%nat.
-Proof. induction e; cbn [fused depth losses]; lia. Qed.
+Lemma depth_fused keep e : (depth (fused_but keep e) <= depth e)%nat.
+Proof. induction e; cbn [fused_but]; destruct (keep _); cbn [depth]; lia. Qed.
+Lemma losses_fused keep e : (losses (fused_but keep e) <= losses e)%nat.
+Proof. induction e; cbn [fused_but]; destruct (keep _); cbn [losses]; lia. Qed.
 
 Lemma pow_le x n : 0 <= x <= / 2 ^ 24 -> (n <= 64)%nat -> (1 + x) ^ n <= 1 + INR n * (x * (1 + / 2 ^ 16)).
 Proof.

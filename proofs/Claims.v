@@ -12,11 +12,11 @@ Definition LATEST := 2 ^ 60.
 Definition hits v t := exists beta gamma, meets v t beta gamma /\ 0 <= beta /\ 0 <= gamma /\ beta + gamma <= 1.
 
 Section Kernel.
-(** f32 or f64, flushing subnormal numbers or not; multiply-add fused or not; any ray and triangle whose direction is
+(** f32 or f64, flushing subnormal numbers or not; multiply-add fused or not; the normal stored or not; any ray and triangle whose direction is
     not too short to be filtered. *)
 Variables (rnd read : R -> R) (u eta : R).
 Hypothesis on : machine rnd read u eta.
-Variable fuse : bool.
+Variables fuse stored : bool.
 Variable v : nat -> R.
 Let f i := read (v i).
 Hypothesis is_fast : Filter.SLOWEST <= Filter.size rnd f.
@@ -25,36 +25,36 @@ Let arithmetic := machine_rounds _ _ _ _ on.
 Let precise := proj1 (machine_is_fine _ _ _ _ on).
 Let wide := proj2 (machine_is_fine _ _ _ _ on).
 Let reads i : Rabs (f i - v i) <= eta := machine_reads _ _ _ _ on (v i).
-Notation computed := (Filter.computed rnd f fuse).
+Notation computed := (Filter.computed rnd f fuse stored).
 Notation bound := (Filter.bound rnd u f fuse).
 Notation bound_at := (Filter.bound_at rnd u f fuse).
 
 (** The bound that the filter computes bounds the errors of the volumes that it computes. *)
 Theorem filter_bounds_errors e : List.In e [det; U; V; W] -> Rabs (computed e - exact v e) <= bound.
-Proof. exact (Filter.volumes_within_bound rnd u eta arithmetic precise wide v f reads fuse is_fast e). Qed.
+Proof. exact (Filter.volumes_within_bound rnd u eta arithmetic precise wide v f reads fuse stored is_fast e). Qed.
 
 (** Its bound of [τ·det − T] does so too. *)
 Theorem filter_bounds_time tau s : s = 1 \/ s = -1 ->
   Rabs (Filter.mul_sub rnd fuse tau (s * computed det) (s * computed T) - s * (tau * exact v det - exact v T)) <= bound_at tau.
-Proof. exact (Filter.row_within_bound rnd u eta arithmetic precise wide v f reads fuse is_fast tau s). Qed.
+Proof. exact (Filter.row_within_bound rnd u eta arithmetic precise wide v f reads fuse stored is_fast tau s). Qed.
 
 (** Where the bound says something no number on the way to the volumes is larger than 2¹²⁵ in f32, 2¹⁰²¹ in f64. *)
 Theorem filter_does_not_overflow e : bound < Hit.NO_BOUND -> List.In e [det; U; V; W; T] ->
-  Overflow.below rnd f (/ (2 * eta)) (if fuse then fused e else e).
+  Overflow.below rnd f (/ (2 * eta)) (Filter.form fuse stored e).
 Proof.
   intros B I. destruct (machine_limits _ _ _ _ on) as [P E].
-  exact (Overflow.nothing_overflows rnd u eta arithmetic precise wide v f reads fuse is_fast P B e I E).
+  exact (Overflow.nothing_overflows rnd u eta arithmetic precise wide v f reads fuse stored is_fast P B e I E).
 Qed.
 
 (** A pair that the filter drops misses. *)
-Theorem filter_misses_rightly : bound < Rmin (Filter.most rnd f fuse) (- Filter.least rnd f fuse) -> forall t, ~ hits v t.
+Theorem filter_misses_rightly : bound < Rmin (Filter.most rnd f fuse stored) (- Filter.least rnd f fuse stored) -> forall t, ~ hits v t.
 Proof.
   intros H t (beta & gamma & M & P & Q & S).
-  exact (Filter.certain_miss rnd u eta arithmetic precise wide v f reads fuse is_fast H t beta gamma M P Q S).
+  exact (Filter.certain_miss rnd u eta arithmetic precise wide v f reads fuse stored is_fast H t beta gamma M P Q S).
 Qed.
 
 Section Inside.
-Hypothesis inside : bound < Rmax (Filter.least rnd f fuse) (- Filter.most rnd f fuse).
+Hypothesis inside : bound < Rmax (Filter.least rnd f fuse stored) (- Filter.most rnd f fuse stored).
 Let s := if Rlt_dec 0 (computed U) then 1 else -1.
 Let row tau := Filter.mul_sub rnd fuse tau (s * computed det) (s * computed T).
 
@@ -63,7 +63,7 @@ Lemma facts : (s = 1 \/ s = -1) /\ 0 < s * exact v det /\
 Proof.
   assert (D : (s = 1 \/ s = -1) /\ 0 < s * exact v det /\
     ((0 <= exact v U /\ 0 <= exact v V /\ 0 <= exact v W) \/ (exact v U <= 0 /\ exact v V <= 0 /\ exact v W <= 0))).
-  { pose proof (Filter.certainly_inside rnd u eta arithmetic precise wide v f reads fuse is_fast inside) as I.
+  { pose proof (Filter.certainly_inside rnd u eta arithmetic precise wide v f reads fuse stored is_fast inside) as I.
     unfold s. destruct (Rlt_dec 0 (computed U)); lra. }
   destruct D as (S & D & I). split; [exact S|]. split; [exact D|].
   assert (N : exact v det <> 0) by (intro E; rewrite E in D; lra).
@@ -80,8 +80,8 @@ Theorem filter_hits_rightly tmin tmax :
   exists t, hits v t /\ tmin <= t <= tmax.
 Proof.
   intros A B. destruct facts as (S & D & t & Ht & E & _). exists t. split; [exact Ht|].
-  pose proof (Filter.not_before rnd u eta arithmetic precise wide v f reads fuse is_fast s _ t S D E A).
-  pose proof (Filter.not_after rnd u eta arithmetic precise wide v f reads fuse is_fast s _ t S D E B).
+  pose proof (Filter.not_before rnd u eta arithmetic precise wide v f reads fuse stored is_fast s _ t S D E A).
+  pose proof (Filter.not_after rnd u eta arithmetic precise wide v f reads fuse stored is_fast s _ t S D E B).
   pose proof (Rmax_r (- LATEST) tmin). pose proof (Rmin_r LATEST tmax). lra.
 Qed.
 
@@ -91,22 +91,22 @@ Theorem filter_is_early_rightly tmin : - LATEST <= tmin -> bound_at (Rmax (- LAT
 Proof.
   intros L A t Ht. destruct facts as (S & D & t' & _ & E & Only). rewrite (Only t Ht).
   rewrite Rmax_right in A by exact L.
-  exact (Filter.before rnd u eta arithmetic precise wide v f reads fuse is_fast s _ t' S D E A).
+  exact (Filter.before rnd u eta arithmetic precise wide v f reads fuse stored is_fast s _ t' S D E A).
 Qed.
 Theorem filter_is_late_rightly tmax : tmax <= LATEST -> row (Rmin LATEST tmax) < - bound_at (Rmin LATEST tmax) ->
   forall t, hits v t -> tmax < t.
 Proof.
   intros L A t Ht. destruct facts as (S & D & t' & _ & E & Only). rewrite (Only t Ht).
   rewrite Rmin_right in A by exact L.
-  exact (Filter.after rnd u eta arithmetic precise wide v f reads fuse is_fast s _ t' S D E A).
+  exact (Filter.after rnd u eta arithmetic precise wide v f reads fuse stored is_fast s _ t' S D E A).
 Qed.
 
 (** [t] of a hit lies between the numbers that it computes for who orders hits. *)
 Theorem filter_places_hits t : bound < Hit.NO_BOUND -> hits v t ->
-  Hit.low rnd u eta f fuse <= t <= Hit.high rnd u eta f fuse.
+  Hit.low rnd u eta f fuse stored <= t <= Hit.high rnd u eta f fuse stored.
 Proof.
   intros L (beta & gamma & M & P & Q & S).
-  exact (Hit.t_within rnd u eta arithmetic precise wide v f reads fuse is_fast t beta gamma M (conj P (conj Q S)) inside L).
+  exact (Hit.t_within rnd u eta arithmetic precise wide v f reads fuse stored is_fast t beta gamma M (conj P (conj Q S)) inside L).
 Qed.
 End Inside.
 End Kernel.

@@ -22,6 +22,12 @@ Proof.
   pose proof (Rmax_l (Rabs b) (Rabs c)). pose proof (Rmax_r (Rabs b) (Rabs c)). lra.
 Qed.
 
+(** The normal, [(C − A) × (B − A)]. *)
+Definition n_x := MulSub (Diff 13 7) (Diff 11 8) (Mul (Diff 14 8) (Diff 10 7)).
+Definition n_y := MulSub (Diff 14 8) (Diff 9 6) (Mul (Diff 12 6) (Diff 11 8)).
+Definition n_z := MulSub (Diff 12 6) (Diff 10 7) (Mul (Diff 13 7) (Diff 9 6)).
+Definition is_normal e := (same e n_x || same e n_y || same e n_z)%bool.
+
 Section Filter.
 Set Default Proof Using "All".
 Variable rnd : R -> R.
@@ -33,10 +39,10 @@ Hypothesis wide : 0 <= eta <= u * / 2 ^ 102.
 (** The numbers of the pair, and what is read of them. *)
 Variables v f : nat -> R.
 Hypothesis reads : forall i, Rabs (f i - v i) <= eta.
-(** Whether multiply-add is fused. *)
-Variable fuse : bool.
+(** Whether multiply-add is fused, and the normal was stored, which is made in plain arithmetic. *)
+Variables fuse stored : bool.
 
-Definition form e := if fuse then fused e else e.
+Definition form e := if fuse then fused_but (if stored then is_normal else fun _ => false) e else e.
 (** A volume as computed. *)
 Definition computed e := float rnd f (form e).
 Definition mul_add a b c := if fuse then rnd (a * b + c) else rnd (rnd (a * b) + c).
@@ -80,7 +86,8 @@ Qed.
 Lemma volume e : near u eta 1 (exact v e) (computed e) (perm v e) (magnitude v 1 e) (depth e) (losses e).
 Proof.
   unfold computed, form. destruct fuse; [|apply bounded; assumption].
-  pose proof (bounded rnd u eta u_pos eta_pos rounded v f reads 1 one_le_one (fused e)) as N.
+  set (keep := if stored then is_normal else fun _ => false).
+  pose proof (bounded rnd u eta u_pos eta_pos rounded v f reads 1 one_le_one (fused_but keep e)) as N.
   unfold perm in N. rewrite exact_fused, !magnitude_fused in N.
   eapply near_weaken; [exact u_pos|exact eta_pos|exact one_le_one|apply depth_fused|apply losses_fused|exact N].
 Qed.

@@ -18,11 +18,11 @@ Hypothesis precise : 0 < u <= / 2 ^ 24.
 Hypothesis wide : 0 <= eta <= u * / 2 ^ 102.
 Variables v f : nat -> R.
 Hypothesis reads : forall i, Rabs (f i - v i) <= eta.
-Variable fuse : bool.
+Variables fuse stored : bool.
 Hypothesis is_fast : SLOWEST <= size rnd f.
 
-Notation "'use' l" := (l rnd u eta arithmetic precise wide v f reads fuse is_fast) (at level 10, l at level 9).
-Notation computed := (Filter.computed rnd f fuse).
+Notation "'use' l" := (l rnd u eta arithmetic precise wide v f reads fuse stored is_fast) (at level 10, l at level 9).
+Notation computed := (Filter.computed rnd f fuse stored).
 Notation mul_add := (Filter.mul_add rnd fuse).
 Notation bound := (Filter.bound rnd u f fuse).
 Notation h := (Filter.h rnd f).
@@ -123,10 +123,6 @@ Let D0 : 0 <= distance. Proof. exact (use distance_pos). Qed.
 
 (** *** [T], with its own roundings apart *)
 
-Definition n_x := MulSub (Diff 13 7) (Diff 11 8) (Mul (Diff 14 8) (Diff 10 7)).
-Definition n_y := MulSub (Diff 14 8) (Diff 9 6) (Mul (Diff 12 6) (Diff 11 8)).
-Definition n_z := MulSub (Diff 12 6) (Diff 10 7) (Mul (Diff 13 7) (Diff 9 6)).
-
 Lemma normal_size n c : List.In n [n_x; n_y; n_z] -> 0 <= c -> magnitude v c n <= 2 * (h' + c) ^ 2.
 Proof.
   intros I C. destruct (use is_sized) as [s0 s1 s2 b0 b1 b2 c0 c1 c2].
@@ -197,7 +193,7 @@ Proof.
   pose proof (apart_dot _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _ _
     (term 6 0 n_x s0 ltac:(simpl; tauto)) (term 7 1 n_y s1 ltac:(simpl; tauto)) (term 8 2 n_z s2 ltac:(simpl; tauto))) as D.
   assert (E : dot (difference rnd f 6 0) (computed n_x) (difference rnd f 7 1) (computed n_y) (difference rnd f 8 2) (computed n_z)
-              = computed T) by (unfold dot, Filter.mul_add, Filter.computed, form; destruct fuse; reflexivity).
+              = computed T) by (unfold dot, Filter.mul_add, Filter.computed, form; destruct fuse, stored; reflexivity).
   rewrite E in D.
   replace (exact v T) with ((v 6%nat - v 0%nat) * exact v n_x + ((v 7%nat - v 1%nat) * exact v n_y + (v 8%nat - v 2%nat) * exact v n_z))
     by reflexivity.
@@ -342,7 +338,7 @@ Proof.
 Qed.
 
 (** Inside for certain, and with a bound that says something. *)
-Hypothesis inside : bound < Rmax (least rnd f fuse) (- most rnd f fuse).
+Hypothesis inside : bound < Rmax (least rnd f fuse stored) (- most rnd f fuse stored).
 Hypothesis is_bounded : bound < NO_BOUND.
 
 Lemma det_nonzero : computed det <> 0.
@@ -353,7 +349,7 @@ Proof.
   assert (Q2 : u * / 2 ^ 88 <= u * (size * h * rho)) by (apply Rmult_le_compat_l; lra).
   assert (E2 : 2 ^ 14 * eta <= bound) by (unfold FACTOR in G; lra).
   assert (Hw : computed W = rnd (rnd (computed det - computed U) - computed V)).
-  { unfold Filter.computed, form. destruct fuse; reflexivity. }
+  { unfold Filter.computed, form. destruct fuse, stored; reflexivity. }
   pose proof (rounded (computed det - computed U)) as R1. set (x := rnd (computed det - computed U)) in *.
   pose proof (rounded (x - computed V)) as R2. rewrite <- Hw in R2.
   assert (Small : forall y y', Rabs (y' - y) <= u * Rabs y + eta ->
@@ -362,7 +358,7 @@ Proof.
     - rewrite Rabs_left in N by lra. assert (u * - y <= / 2 ^ 24 * - y) by (apply Rmult_le_compat_r; lra). lra.
     - rewrite Rabs_right in N by lra. assert (u * y <= / 2 ^ 24 * y) by (apply Rmult_le_compat_r; lra). lra. }
   destruct (Small _ _ R1) as [S1 S1']. destruct (Small _ _ R2) as [S2 S2'].
-  intro Z. rewrite Z in *. unfold Rmax at 1 in inside. destruct (Rle_dec (least rnd f fuse) (- most rnd f fuse)) as [O|O]; unfold most, least in *.
+  intro Z. rewrite Z in *. unfold Rmax at 1 in inside. destruct (Rle_dec (least rnd f fuse stored) (- most rnd f fuse stored)) as [O|O]; unfold most, least in *.
   - set (a := Rmax (computed U) (computed V)) in *.
     pose proof (Rmax_l a (computed W)). pose proof (Rmax_r a (computed W)).
     assert (computed U <= a) by apply Rmax_l. assert (computed V <= a) by apply Rmax_r.

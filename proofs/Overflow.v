@@ -117,12 +117,12 @@ Hypothesis precise : 0 < u <= / 2 ^ 24.
 Hypothesis wide : 0 <= eta <= u * / 2 ^ 102.
 Variables v f : nat -> R.
 Hypothesis reads : forall i, Rabs (f i - v i) <= eta.
-Variable fuse : bool.
+Variables fuse stored : bool.
 Hypothesis is_fast : SLOWEST <= size rnd f.
 Hypothesis no_finer : / 2 ^ 53 <= u.
 Hypothesis is_bounded : bound rnd u f fuse < NO_BOUND.
 
-Notation "'use' l" := (l rnd u eta arithmetic precise wide v f reads fuse is_fast) (at level 10, l at level 9).
+Notation "'use' l" := (l rnd u eta arithmetic precise wide v f reads fuse stored is_fast) (at level 10, l at level 9).
 Let d := size rnd f.
 Let g := h rnd f.
 Let r := g + 2 * distance rnd f.
@@ -202,16 +202,16 @@ Proof.
 Qed.
 
 (** The volumes, plain and fused. *)
-Theorem nothing_overflows e : List.In e [det; U; V; W; T] -> 0 < eta -> below rnd f (/ (2 * eta)) (form fuse e).
+Theorem nothing_overflows e : List.In e [det; U; V; W; T] -> 0 < eta -> below rnd f (/ (2 * eta)) (form fuse stored e).
 Proof.
   intros I E. pose proof (eta_magnitude e I) as M.
-  assert (B : below rnd f (2 * magnitude v 1 (form fuse e)) (form fuse e)).
+  assert (B : below rnd f (2 * magnitude v 1 (form fuse stored e)) (form fuse stored e)).
   { apply (below_magnitude rnd u eta); try assumption; [lra|apply (rounds _ _ _ arithmetic)| |].
     - unfold form. destruct fuse; [eapply PeanoNat.Nat.le_trans; [apply depth_fused|]|];
         destruct I as [<-|[<-|[<-|[<-|[<-|[]]]]]]; apply PeanoNat.Nat.leb_le; reflexivity.
     - unfold form. destruct fuse; [eapply PeanoNat.Nat.le_trans; [apply losses_fused|]|];
         destruct I as [<-|[<-|[<-|[<-|[<-|[]]]]]]; apply PeanoNat.Nat.leb_le; reflexivity. }
-  assert (Same : magnitude v 1 (form fuse e) = magnitude v 1 e) by (unfold form; destruct fuse; [apply magnitude_fused|reflexivity]).
+  assert (Same : magnitude v 1 (form fuse stored e) = magnitude v 1 e) by (unfold form; destruct fuse; [apply magnitude_fused|reflexivity]).
   rewrite Same in B. eapply below_more; [|exact B].
   apply Rmult_le_reg_l with (2 * eta); [lra|]. rewrite Rinv_r by lra. lra.
 Qed.

@@ -50,7 +50,7 @@ Lemma numerator e : (depth e <= 8)%nat -> Rabs (computed e - exact v e) <= 8 * (
 Proof.
   intro K. unfold computed. set (e' := if fuse then fused e else e).
   assert (E : exact v e' = exact v e /\ perm v e' = perm v e /\ (depth e' <= 8)%nat).
-  { unfold e', perm. destruct fuse; [|auto]. pose proof (depth_fused e). rewrite exact_fused, magnitude_fused. repeat split. lia. }
+  { unfold e', perm, fused. destruct fuse; [|auto]. pose proof (depth_fused (fun _ => false) e). rewrite exact_fused, magnitude_fused. repeat split. lia. }
   destruct E as (<- & <- & D).
   assert (R : forall x, Rabs (rnd x - x) <= u * Rabs x + 0) by (intro x; pose proof (rounds x); lra).
   assert (I : forall i, Rabs (v i - v i) <= 0) by (intro i; replace (v i - v i) with 0 by ring; rewrite Rabs_R0; lra).
