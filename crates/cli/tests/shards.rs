@@ -68,7 +68,8 @@ fn shards_of_a_measurement_are_the_whole_of_it() {
     let shares = ["1.jsonl", "2.jsonl"].map(|shard| lines(&folder.text(shard)).len());
     assert!(shares.iter().all(|share| (2..lines(&whole).len()).contains(share)), "{shares:?}");
 
-    // What is no set of shards is refused.
+    // What is no set of shards is refused, and nothing is written.
+    let before = folder.listing();
     for (arguments, says) in [
         ("merge 1.jsonl", "shards are missing: 2/2; take them with --shard"),
         (
@@ -77,11 +78,10 @@ fn shards_of_a_measurement_are_the_whole_of_it() {
         ),
         ("merge 1.jsonl 2.jsonl 1.jsonl", "1.jsonl: shard 1/2 is given already; name each once"),
     ] {
-        let before = folder.listing();
         let run = folder.trisect(&format!("{arguments} --output new.jsonl"), b"");
-        assert_eq!(folder.listing(), before, "{arguments}");
         assert_eq!((run.code, run.stderr), (Some(2), format!("trisect: {says}\n")));
     }
+    assert_eq!(folder.listing(), before);
     let other = measure.replace("wald", "plucker");
     folder.succeeds(&format!("{other} 2.jsonl --shard 2/2"));
     let run = folder.trisect("merge 1.jsonl 2.jsonl", b"");
