@@ -68,7 +68,13 @@ pub(crate) fn run(arguments: &Render) -> Result<()> {
     let pool = pool(arguments)?;
     let start = Instant::now();
     let (stage, blocks) = pool
-        .install(|| staged(scene, entry, arguments.builder))
+        .install(|| match arguments.primary {
+            Primary::Cast => {
+                Stage::new(scene, |triangles| entry.tree(triangles, arguments.builder))
+                    .map(|stage| (stage, Vec::new()))
+            }
+            Primary::Raster => staged(scene, entry, arguments.builder),
+        })
         .map_err(|unsuitable| anyhow!("{}: {unsuitable}", arguments.scene.display()))?;
     let build = start.elapsed();
 

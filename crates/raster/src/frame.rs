@@ -75,7 +75,7 @@ impl<C: Culls, E: Edges> Rasteriser<C, E> {
                 .expect("triangles are counted in u32");
         }
         self.resize(rays.size());
-        let across = self.size[0].div_ceil(TILE[0] as u32) as usize;
+        let across = (self.size[0] as usize).div_ceil(TILE[0]);
         let tiles = [across, self.tiles.len() / across];
         let threads = rayon::current_num_threads();
         let count = if threads == 1 { 1 } else { threads * SHARES };
@@ -92,6 +92,7 @@ impl<C: Culls, E: Edges> Rasteriser<C, E> {
             firsts: &self.firsts,
             rays,
             culling: if C::BY == CullBy::Eye { Culling::Back } else { Culling::None },
+            half: self.size.map(|side| side as f32 / 2.0),
             limit: if views.first().is_some_and(|view| view.is_parallel) {
                 0.0
             } else {
@@ -101,9 +102,9 @@ impl<C: Culls, E: Edges> Rasteriser<C, E> {
         let scan = |shares: &[Share], number: usize, tile: &mut Tile| {
             let scan = ScanTile { shares, number, tile, objects, views, judge: &judge };
             if E::FILTERED {
-                on_lanes(Scanned::<true>(scan))
+                on_lanes(Scanned::<true>(scan));
             } else {
-                on_lanes(Scanned::<false>(scan))
+                on_lanes(Scanned::<false>(scan));
             }
         };
         if threads == 1 {
@@ -261,7 +262,7 @@ fn scan<L: Lanes<Elem = f32>, const FILTERED: bool>(token: L::Token, job: ScanTi
                 let place = block * BLOCK + lane;
                 let number = judge.firsts[object] + place as u32;
                 let drawn = Drawn { object, place, number };
-                tile.draw::<L, FILTERED>(token, view.half, &affines, lane, spans, drawn, judge);
+                tile.draw::<L, FILTERED>(token, &affines, lane, spans, drawn, judge);
             }
         }
     }

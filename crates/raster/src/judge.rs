@@ -20,6 +20,8 @@ pub(crate) struct Judge<'a> {
     pub(crate) firsts: &'a [u32],
     pub(crate) rays: &'a PixelRays,
     pub(crate) culling: Culling,
+    /// Half the picture, in pixels.
+    pub(crate) half: [f32; 2],
     /// The nearness of what is at the camera itself.
     pub(crate) limit: f32,
 }

@@ -39,8 +39,8 @@ pub struct Srgb(pub u32);
 
 /// Values of sRGB, by the linear one in [`STEPS`].
 static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
-    let encode = |step: usize| {
-        let linear = step as f32 / STEPS;
+    let encode = |step: u16| {
+        let linear = f32::from(step) / f32::from(STEPS);
         let curved = if linear <= 0.003_130_8 {
             linear * 12.92
         } else {
@@ -50,18 +50,19 @@ static SRGB: LazyLock<Vec<u8>> = LazyLock::new(|| {
         let byte = (curved * 255.0 + 0.5) as u8;
         byte
     };
-    (0..=STEPS as usize).map(encode).collect()
+    (0..=STEPS).map(encode).collect()
 });
 
-const STEPS: f32 = 8192.0;
+const STEPS: u16 = 8192;
 
 impl Pixel for Srgb {
     #[inline(always)]
     fn of(color: Color) -> Self {
         let table = &**SRGB;
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "in range")]
-        let byte =
-            |x: f32| u32::from(table[(x.clamp(0.0, 1.0) * STEPS + 0.5) as usize % table.len()]);
+        let byte = |x: f32| {
+            u32::from(table[(x.clamp(0.0, 1.0) * f32::from(STEPS) + 0.5) as usize % table.len()])
+        };
         Self(byte(color.x) << 16 | byte(color.y) << 8 | byte(color.z))
     }
 }

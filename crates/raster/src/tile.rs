@@ -91,7 +91,6 @@ impl Tile {
     pub(crate) fn draw<L: Lanes<Elem = f32>, const FILTERED: bool>(
         &mut self,
         token: L::Token,
-        half: [f32; 2],
         affines: &Affines,
         lane: usize,
         spans: &Spans,
@@ -102,15 +101,15 @@ impl Tile {
         if FILTERED && affines.sided >> lane & 1 == 0 {
             self.is_clear = false;
             let edges = (affines.bounded >> lane & 1 != 0).then_some(affines);
-            return self.search(half, edges, lane, part, drawn, judge);
+            return self.search(edges, lane, part, drawn, judge);
         }
         let [x0, y0, x1, y1] = part;
         let at = |affine: &[[f32; BLOCK]; 3]| [affine[0][lane], affine[1][lane], affine[2][lane]];
         let [a, b, c] = [at(&affines.edges[0]), at(&affines.edges[1]), at(&affines.edges[2])];
         let (bound, near) = (affines.bounds[0][lane], at(&affines.near));
         // From the middle of the picture.
-        let left = (self.corner[0] + x0) as f32 + 0.5 - half[0];
-        let top = (self.corner[1] + y0) as f32 + 0.5 - half[1];
+        let left = (self.corner[0] + x0) as f32 + 0.5 - judge.half[0];
+        let top = (self.corner[1] + y0) as f32 + 0.5 - judge.half[1];
         let (wide, high) = ((x1 - x0) as f32, (y1 - y0) as f32);
         if x1 - x0 >= BLOCK && y1 - y0 >= 4 {
             // Nowhere in the part, if it is not on the side of an edge where that is largest.
@@ -193,7 +192,6 @@ impl Tile {
     #[inline(never)]
     fn search(
         &mut self,
-        half: [f32; 2],
         edges: Option<&Affines>,
         lane: usize,
         [x0, y0, x1, y1]: [usize; 4],
@@ -202,9 +200,9 @@ impl Tile {
     ) {
         let rows = [[f32::NEG_INFINITY; 16], [f32::INFINITY; 16]];
         for y in y0..=y1 {
-            let down = (self.corner[1] + y) as f32 + 0.5 - half[1];
+            let down = (self.corner[1] + y) as f32 + 0.5 - judge.half[1];
             for x in x0..=x1 {
-                let right = (self.corner[0] + x) as f32 + 0.5 - half[0];
+                let right = (self.corner[0] + x) as f32 + 0.5 - judge.half[0];
                 let is_ruled_out = edges.is_some_and(|affines| {
                     let bound = affines.bounds[0][lane];
                     let at = |[to, across, along]: &[[f32; BLOCK]; 3]| {

@@ -13,7 +13,7 @@ pub trait Job {
 /// Runs a job on the [fast lanes](fast_lanes) of the processor, or on those that nearly all processors have.
 ///
 /// # Panics
-/// Never: a processor that has fast lanes keeps them.
+/// Never: it is known which there are.
 pub fn on_lanes<J: Job>(job: J) -> J::Output {
     if has_fast_lanes() {
         on_fast_lanes(job).expect("the processor has fast lanes")

@@ -117,7 +117,7 @@ pub(super) fn frame() -> Scene {
         smooth: true,
     };
     let lens = Lens::Pinhole { field_of_view: 0.75 };
-    let eye = Vec3::new(1.0, 3.0, 23.5);
+    let eye = Vec3::new(0.5, 1.5, 12.0);
     let light = |position| Light::Point { position, intensity: Vec3::splat(400.0) };
     Scene {
         background: Vec3::splat(0.1),
