@@ -124,6 +124,9 @@ impl Checked {
 ///
 /// # Errors
 /// When a shipped scene cannot be read, or the system gives no threads.
+///
+/// # Panics
+/// Never: the exact method takes every mesh.
 pub fn check(settings: &Settings, progress: &mut dyn Progress) -> Result<CheckSummary, StudyError> {
     let sizes = SIZES.map(|size| settings.size(size));
     let pool = pool(threads(settings.threads))?;

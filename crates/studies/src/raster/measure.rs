@@ -105,9 +105,9 @@ impl<'a> At<'a> {
                 let start = Instant::now();
                 pool.install(|| cast(tree, tracing, rays, &mut found));
                 let time = start.elapsed();
-                let number =
-                    |hit: &Option<TriangleHit>| hit.map_or(NOTHING, |hit| u64::from(hit.triangle));
-                found.iter().for_each(|hit| show(number(hit)));
+                for hit in &found {
+                    show(hit.map_or(NOTHING, |hit| u64::from(hit.triangle)));
+                }
                 (time, 0)
             }),
         )
