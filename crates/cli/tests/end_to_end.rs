@@ -459,7 +459,7 @@ fn a_study_of_the_rasteriser_adds_its_page_and_its_record_to_a_report() {
     assert_eq!(run.code, Some(0), "{}", run.stderr);
     let written = ["page    here/raster.html", "record  here/raster.jsonl"];
     assert_eq!(run.stderr.trim().lines().collect::<Vec<_>>(), written);
-    for told in ["Where casting becomes quicker", "The frame of 2012", "built for 10 pictures"] {
+    for told in ["The triangles below which", "Two lights and three", "built for 10 pictures"] {
         assert!(run.stdout.contains(told), "{told}: {}", run.stdout);
     }
     let again = folder.trisect("report here/raster.jsonl --json --output here", b"");

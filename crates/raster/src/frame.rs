@@ -33,6 +33,22 @@ pub struct Rasteriser<C = NoCulling, E = Filtered> {
     options: PhantomData<(C, E)>,
 }
 
+/// Compiled here, once, not by whoever names a type of rasteriser and with the optimisation of that.
+#[inline(never)]
+fn fill_share(job: Fill<'_>) {
+    on_lanes(job);
+}
+
+/// The same.
+#[inline(never)]
+fn scan_tile(is_filtered: bool, job: ScanTile<'_>) {
+    if is_filtered {
+        on_lanes(Scanned::<true>(job));
+    } else {
+        on_lanes(Scanned::<false>(job));
+    }
+}
+
 impl<C: Culls, E: Edges> Default for Rasteriser<C, E> {
     fn default() -> Self {
         Self::new()
@@ -85,7 +101,7 @@ impl<C: Culls, E: Edges> Rasteriser<C, E> {
         }
         let views = &self.views;
         let fill = |share: &mut Share| {
-            on_lanes(Fill { share, objects, views, cull: C::BY, tiles });
+            fill_share(Fill { share, objects, views, cull: C::BY, tiles });
         };
         let judge = Judge {
             objects,
@@ -100,12 +116,10 @@ impl<C: Culls, E: Edges> Rasteriser<C, E> {
             },
         };
         let scan = |shares: &[Share], number: usize, tile: &mut Tile| {
-            let scan = ScanTile { shares, number, tile, objects, views, judge: &judge };
-            if E::FILTERED {
-                on_lanes(Scanned::<true>(scan));
-            } else {
-                on_lanes(Scanned::<false>(scan));
-            }
+            scan_tile(
+                E::FILTERED,
+                ScanTile { shares, number, tile, objects, views, judge: &judge },
+            );
         };
         if threads == 1 {
             self.shares.iter_mut().for_each(fill);

@@ -221,26 +221,29 @@ pub(super) fn document(records: &Records) -> Document {
                 .part("raster-crossings"),
             ),
             figure(&summary),
-            everywhere(Section::table(
+            Section::table(
                 "raster-times",
                 "Milliseconds",
                 "Until it is known what is seen at each pixel, on all threads, without building anything. Making \
                  the rays is not counted. All rays but the exact ones are Möller and Trumbore's.",
                 side_by_side(&of(Series::Visibility)),
-            )),
-            everywhere(Section::table(
+            )
+            .missing(NOTHING),
+            Section::table(
                 "raster-built",
                 "What is built before",
                 "Trees by their builders, a refit, and the blocks that the rasteriser reads.",
                 building,
-            )),
-            everywhere(Section::table(
+            )
+            .missing(NOTHING),
+            Section::table(
                 "raster-ways",
                 "On one thread",
                 "Wrong pixels are those at which another triangle is seen than exact arithmetic sees. Culling leaves \
                  out what shows its back: on a mesh that is not closed that is wrong as well.",
                 wrong,
-            )),
+            )
+            .missing(NOTHING),
             everywhere(
                 Section::table(
                     "raster-frame",
