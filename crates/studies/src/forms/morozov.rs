@@ -33,7 +33,9 @@ fn leaves(records: &Records) -> Section {
             most => most.to_string(),
         })
         .count("leaves", |leaf| leaf.leaves as u64)
-        .number("tests per ray", number, |leaf| Some(leaf.tests as f64 / leaf.rays as f64))
+        .number("tests per ray", number, |leaf| {
+            (leaf.rays > 0).then(|| leaf.tests as f64 / leaf.rays as f64)
+        })
         .number("ns per ray", number, |leaf| ns(leaf))
         .number("of the fastest", number, |leaf| Some(best / ns(leaf)?))
         .number("Morozov", number, |leaf| {

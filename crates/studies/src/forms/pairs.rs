@@ -50,6 +50,9 @@ pub fn forms_summary(records: &Records) -> FormsSummary {
 
 /// How much faster `time` is than `other`: of each round, then the median between the ends of its interval.
 fn speed(time: &FormTime, other: &FormTime) -> Option<[f64; 3]> {
+    if other.tests == 0 {
+        return None;
+    }
     let tests = time.tests as f64 / other.tests as f64;
     let rounds = time.samples_ns.iter().zip(&other.samples_ns);
     let ratios: Vec<f64> =
