@@ -10,18 +10,23 @@ use std::path::{Path, PathBuf};
 use chromium::Browser;
 use serde_json::{Value, json};
 
-/// The pages of the records that the project ships, and how many bytes each has.
+/// The pages of the records that the project ships.
 fn pages() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../reports/2026-11-28-zen5");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../reports");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("browser");
-    let records = std::fs::read_dir(root).expect("the project ships records");
-    let paths = records.map(|entry| entry.expect("it can be listed").path());
-    let draw = |path: PathBuf| {
-        let records = trisect_studies::load(&path).expect("it is a record");
-        let chapter = trisect_studies::chapter_of(&records);
-        chapter.publish(&records, &folder).expect("the page is written").index
-    };
-    paths.filter(|path| path.extension().is_some_and(|e| e == "gz")).map(draw).collect()
+    let mut pages = Vec::new();
+    for report in ["2026-11-28-zen5", "2026-12-01-sapphire-rapids"] {
+        let records = std::fs::read_dir(root.join(report)).expect("the project ships records");
+        let paths = records.map(|entry| entry.expect("it can be listed").path());
+        pages.extend(paths.filter(|path| path.extension().is_some_and(|e| e == "gz")).map(
+            |path| {
+                let records = trisect_studies::load(&path).expect("it is a record");
+                let chapter = trisect_studies::chapter_of(&records);
+                chapter.publish(&records, &folder.join(report)).expect("the page is written").index
+            },
+        ));
+    }
+    pages
 }
 
 /// All texts of a list.
@@ -37,7 +42,7 @@ fn pages_work_in_a_browser() {
         return;
     };
     let pages = pages();
-    assert_eq!(pages.len(), 5, "a page for each study: {pages:?}");
+    assert_eq!(pages.len(), 4 + 3, "a page for each record: {pages:?}");
     let mut browser = Browser::start(&program);
     for page in &pages {
         let bytes = std::fs::metadata(page).expect("it was written").len();
