@@ -154,7 +154,7 @@ fn findings(summary: &RasterSummary) -> Vec<Finding> {
     if let Some(price) = trisect_report::stats::geometric_mean(price) {
         all.push(Finding::new(
             "Exact agreement costs",
-            format!("{} times the bare one's time", ratio(price)),
+            format!("{} the bare one's time", ratio(price)),
             "the geometric mean over all meshes and sizes",
         ));
     }
