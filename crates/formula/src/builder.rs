@@ -81,47 +81,18 @@ impl Builder {
                 None => self.add(op),
             },
             Op::Select(mask, a, b) => match self.truth(mask) {
-                Some(holds) => {
-                    if holds {
-                        a
-                    } else {
-                        b
-                    }
-                }
+                Some(true) => a,
+                Some(false) => b,
                 None => self.add(op),
             },
             Op::And(a, b) => match (self.truth(a), self.truth(b)) {
-                (Some(holds), _) => {
-                    if holds {
-                        b
-                    } else {
-                        a
-                    }
-                }
-                (_, Some(holds)) => {
-                    if holds {
-                        a
-                    } else {
-                        b
-                    }
-                }
+                (Some(true), _) | (_, Some(false)) => b,
+                (Some(false), _) | (_, Some(true)) => a,
                 _ => self.add(op),
             },
             Op::Or(a, b) => match (self.truth(a), self.truth(b)) {
-                (Some(holds), _) => {
-                    if holds {
-                        a
-                    } else {
-                        b
-                    }
-                }
-                (_, Some(holds)) => {
-                    if holds {
-                        b
-                    } else {
-                        a
-                    }
-                }
+                (Some(true), _) | (_, Some(false)) => a,
+                (Some(false), _) | (_, Some(true)) => b,
                 _ => self.add(op),
             },
             op => self.add(op),

@@ -80,7 +80,7 @@ impl<P: Primitive> Leaves<P> {
         let mut best: Option<TriangleHit> = None;
         self.each(tracing, culling, ray, &mut |hit| {
             let best = best.get_or_insert(hit);
-            if (hit.hit.t, hit.triangle) < (best.hit.t, best.triangle) {
+            if is_nearer(&hit, best) {
                 *best = hit;
             }
             best.hit.t
@@ -112,6 +112,11 @@ impl<P: Primitive> ShapeTree<P::Shape> for Leaves<P> {
         self.shapes = Arc::clone(shapes);
         Ok(self.boxes.update(&Self::bounds(shapes)))
     }
+}
+
+/// Whether a hit comes before another: by `t`, then by the number of the shape.
+fn is_nearer(hit: &TriangleHit, other: &TriangleHit) -> bool {
+    (hit.hit.t, hit.triangle) < (other.hit.t, other.triangle)
 }
 
 /// Answers each ray, on the threads of the pool.
@@ -183,9 +188,8 @@ impl<P: Primitive> Tree for Leaves<P> {
     ) -> Option<TriangleHit> {
         let (mut best, mut end): (Option<TriangleHit>, _) = (None, ray.tmax);
         self.each(tracing, culling, ray, &mut |hit| {
-            let nearer =
-                |best: &TriangleHit| (hit.hit.t, hit.triangle) < (best.hit.t, best.triangle);
-            if end == f32::NEG_INFINITY || !best.as_ref().is_none_or(nearer) {
+            let is_nearer = best.as_ref().is_none_or(|best| is_nearer(&hit, best));
+            if end == f32::NEG_INFINITY || !is_nearer {
                 return end;
             }
             match program(&hit) {
